@@ -1,0 +1,35 @@
+#include "arete/core/screen_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace arete {
+
+double pixel_scale(const View& v, ErrorScale scale) {
+  const double ty = std::tan(v.fovy / 2);
+  const double tx = ty * v.viewport_width / v.viewport_height;
+  const double f = v.focal_px();
+  if (scale == ErrorScale::kAngular) return v.viewport_width / (2 * std::atan(tx));
+  const double rho2 = tx * tx + ty * ty;
+  const double rigorous = f * (1 + rho2);  // alpha_rig = f (1 + rho^2) [METHODS 1.3]
+  if (scale == ErrorScale::kRigorous) return rigorous;
+  // alpha_up = f sqrt(1+tx^2+ty^2) sqrt((|cos t| + ty |sin t|)^2 + (tx |sin t|)^2) [METHODS 1.3]
+  const double c = std::abs(std::cos(v.pitch));
+  const double s = std::abs(std::sin(v.pitch));
+  return std::min(rigorous, f * std::sqrt(1 + rho2) * std::hypot(c + ty * s, tx * s));
+}
+
+ScreenError::ScreenError(const View& view, double tolerance_px, ErrorScale scale)
+    : scale_(scale), alpha_(pixel_scale(view, scale)) {
+  slope_ = tolerance_px / (scale == ErrorScale::kAngular ? alpha_ : alpha_ + tolerance_px);
+}
+
+double ScreenError::pixels(double delta_m, double distance_m) const {
+  if (delta_m <= 0) return 0;
+  if (scale_ == ErrorScale::kAngular) return alpha_ * delta_m / distance_m;
+  if (delta_m >= distance_m) return std::numeric_limits<double>::infinity();
+  return alpha_ * delta_m / (distance_m - delta_m);
+}
+
+}  // namespace arete

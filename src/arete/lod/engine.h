@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "arete/core/build_context.h"
+#include "arete/core/draw_list.h"
+#include "arete/core/screen_error.h"
+#include "arete/core/view.h"
+#include "arete/store/build.h"
+#include "arete/store/terrain.h"
+
+namespace arete::lod {
+
+/// Options of a method by name, as text; an unknown name or a bad value is Error kUsage.
+using Params = std::map<std::string, std::string, std::less<>>;
+
+/// What to do about a tile that is not in memory: read it now, or draw coarser and ask for it.
+enum class OnMissing { kWait, kDefer };
+
+struct RefineOptions {
+  double tolerance_px = 1;
+  ErrorScale scale = ErrorScale::kUpright;
+  OnMissing on_missing = OnMissing::kWait;
+  bool cull = true;  ///< drop what the frustum cannot see
+};
+
+/// What a method promises with the options that it was opened with; infinity = no promise.
+struct Claims {
+  bool conforming = false;
+  double error_px = 0;  ///< drawn surface to full surface, on the screen
+  /// Motion of the drawn surface between two frames, in px, per unit of relative motion
+  /// |dP| / D + |dalpha| / alpha, D = distance from the eye to the nearest drawn tile.
+  double pop_px = 0;
+};
+
+/// One opened method. Thread contract: one thread at a time; two engines may share a Terrain.
+class Engine : public BlockSource {
+ public:
+  /// Fills `out` for the view. The same view gives the same list unless the method's README says
+  /// coherent. Never throws for missing or damaged tiles: they are drawn coarser and counted.
+  virtual void refine(const View& view, const RefineOptions& options, DrawList& out) = 0;
+  virtual Claims claims(const RefineOptions& options) const = 0;
+};
+
+/// A row of the table of methods.
+struct EngineInfo {
+  std::string_view name;      ///< as on the command line
+  std::string_view citation;  ///< key in docs/papers.bib
+  std::string_view summary;   ///< one line
+  /// Writes the segments that open() needs. Throws: as building does.
+  void (*preprocess)(const store::Terrain&, store::Writers&, const BuildContext&, const Params&);
+  /// Throws: kUsage for bad params, kNotFound when a segment is missing (naming the build command).
+  std::unique_ptr<Engine> (*open)(const store::Terrain&, const Params&);
+};
+
+/// All methods, reference first.
+std::span<const EngineInfo> engines();
+/// Throws: kUsage, listing the names.
+const EngineInfo& find_engine(std::string_view name);
+
+}  // namespace arete::lod

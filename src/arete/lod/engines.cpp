@@ -1,0 +1,1 @@
+#include "arete/lod/engine.h"

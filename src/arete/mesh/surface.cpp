@@ -1,0 +1,1 @@
+#include "arete/mesh/surface.h"

@@ -1,0 +1,1 @@
+#include "arete/proof/verify.h"

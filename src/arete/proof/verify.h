@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+
+#include "arete/core/heightfield.h"
+#include "arete/lod/engine.h"
+#include "arete/scene/path.h"
+
+namespace arete::proof {
+
+struct VerifyOptions {
+  int frames = 300;
+  int width = 1280, height = 720;
+  int threads = 2;
+  lod::RefineOptions refine;
+  std::optional<std::filesystem::path> dump;  ///< each frame as binary PLY + camera JSON
+  std::function<void(double done)> progress;
+};
+
+/// DESIGN.md section 5, `verify --json`. Pixels unless named otherwise.
+struct VerifyReport {
+  lod::Claims claims;
+  int frames = 0;
+  double tolerance_px = 0;
+  double max_error_px = 0, p999_error_px = 0, max_error_angular_px = 0;
+  std::uint64_t cracks = 0, t_junctions = 0, background_pixels = 0;
+  double max_pop_px = 0, p999_pop_px = 0;
+  double max_pop_share =
+      0;  ///< pop / that pair's promise (Claims::pop_px x relative motion); <= 1 holds
+  double mean_triangles = 0;
+  std::uint64_t max_triangles = 0;
+  double achieved_error_px = 0;  ///< the engine's own worst bound
+  double seconds = 0;
+  bool holds() const;  ///< every claim is kept
+};
+
+/// Flies the path and measures every frame from the DrawList and `dem` alone.
+VerifyReport verify(lod::Engine& engine, const Heightfield& dem, const scene::Path& path,
+                    const VerifyOptions& options);
+
+}  // namespace arete::proof

@@ -1,0 +1,1 @@
+#include "arete/raster/synthetic.h"

@@ -1,0 +1,1 @@
+#include "arete/render/renderer.h"

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "arete/core/draw_list.h"
+#include "arete/core/georef.h"
+#include "arete/core/raster_source.h"
+#include "arete/core/view.h"
+
+namespace arete::render {
+
+/// What every frame of a terrain shares. The sources must outlive the renderer; null = none.
+struct Land {
+  Affine2 world_from_post;
+  int cols = 0, rows = 0;
+  double z_min = 0, z_max = 0;  ///< metres, for the tint
+  const RasterSource* normals = nullptr;
+  const RasterSource* validity = nullptr;
+  const RasterSource* drape = nullptr;
+};
+
+enum class Shading {
+  kLand,  ///< hypsometric tint or drape, lit, with haze
+  kKey,   ///< one flat colour, no light, no haze: what `verify` counts leaks with
+};
+
+struct Style {
+  Shading shading = Shading::kLand;
+  bool wireframe = false;            ///< triangle edges over the land
+  bool mask = true;                  ///< discard fragments without data
+  bool morph = true;                 ///< false: factors are taken as 0
+  glm::dvec3 sun{0.45, 0.35, 0.82};  ///< direction towards the sun, world, any length
+};
+
+/// Colour + reversed-Z float depth, width x height.
+class Frame {
+ public:
+  Frame(int width, int height);
+  ~Frame();
+  Frame(const Frame&) = delete;
+  Frame& operator=(const Frame&) = delete;
+  int width() const;
+  int height() const;
+  unsigned framebuffer() const;  ///< GL name, for blitting to a window
+  /// width*height*3 bytes, top row first.
+  std::vector<std::uint8_t> read_rgb() const;
+  /// width*height depths, top row first: 1 at the near plane, 0 = nothing drawn. Distance along the
+  /// view axis = near_m / depth.
+  std::vector<float> read_depth() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+struct DrawStats {
+  std::uint64_t triangles = 0, draws = 0;
+  std::uint64_t bytes_uploaded = 0;
+  std::uint64_t gpu_bytes = 0;        ///< blocks and textures held
+  std::uint64_t dropped_batches = 0;  ///< did not fit gpu_memory
+};
+
+/// Draws any DrawList. Requires: a current OpenGL 4.5 context for the whole life of the object.
+class Renderer {
+ public:
+  /// gpu_memory: hard cap on vertex, index and texture bytes. Throws: kLimit, kUnsupported.
+  explicit Renderer(const Land& land, std::size_t gpu_memory = std::size_t{1} << 30U);
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  void draw(const View& view, const DrawList& list, const BlockSource& blocks, const Style& style,
+            Frame& frame);
+  const DrawStats& stats() const;
+
+  /// Transform feedback of the vertex stage: for each vertex of each batch's vertex block, in
+  /// order, the drawn position (plan offset in posts, z in metres), 3 floats.
+  std::vector<float> vertex_stage(const View& view, const DrawList& list,
+                                  const BlockSource& blocks);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace arete::render

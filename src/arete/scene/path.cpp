@@ -1,0 +1,1 @@
+#include "arete/scene/path.h"

@@ -1,0 +1,1 @@
+#include "arete/store/file.h"

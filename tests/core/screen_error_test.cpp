@@ -1,0 +1,65 @@
+#include "arete/core/screen_error.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace arete {
+namespace {
+
+// The bound of METHODS 1.3 against true projections: random poses, points in view, vertical moves.
+double worst_share(ErrorScale scale) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> unit(0, 1);
+  double worst = 0;
+  for (int i = 0; i < 200000; ++i) {
+    const View v =
+        make_view({.yaw = unit(random) * 6, .pitch = (unit(random) - 0.5) * 3.1}, 800, 600);
+    const double tau = 0.1 + 8 * unit(random);
+    const double depth = 10 + 1000 * unit(random);
+    const glm::dvec4 ndc{(2 * unit(random) - 1) * depth, (2 * unit(random) - 1) * depth, v.near_m,
+                         depth};
+    const glm::dvec3 p = glm::inverse(v.clip_from_world) * ndc;
+    const double allowed = ScreenError(v, tau, scale).allowed_m(glm::length(p));
+    const glm::dvec3 a = project(v, p);
+    const glm::dvec3 b = project(v, p + glm::dvec3(0, 0, unit(random) < 0.5 ? allowed : -allowed));
+    if (b.z <= 0) continue;
+    worst = std::max(worst, std::hypot(a.x - b.x, a.y - b.y) / tau);
+  }
+  return worst;
+}
+
+TEST(ScreenError, UprightIsABoundAndNearlyTight) {
+  const double worst = worst_share(ErrorScale::kUpright);
+  EXPECT_LE(worst, 1 + 1e-9);
+  EXPECT_GT(worst, 0.9);
+}
+
+TEST(ScreenError, RigorousIsABound) {
+  EXPECT_LE(worst_share(ErrorScale::kRigorous), 1 + 1e-9);
+}
+
+// The control: the same test catches the angular scale, which is no bound in pixels.
+TEST(ScreenError, AngularIsCaughtAsNoBound) {
+  EXPECT_GT(worst_share(ErrorScale::kAngular), 1.2);
+}
+
+TEST(ScreenError, PixelsInvertsAllowed) {
+  const View v = make_view({}, 800, 600);
+  const ScreenError e(v, 2);
+  EXPECT_NEAR(e.pixels(e.allowed_m(500), 500), 2, 1e-9);
+}
+
+TEST(ScreenError, UprightNeverExceedsRigorous) {
+  for (double pitch = -1.5; pitch <= 1.5; pitch += 0.1) {
+    const View v = make_view({.pitch = pitch}, 800, 600);
+    EXPECT_LE(pixel_scale(v, ErrorScale::kUpright), pixel_scale(v, ErrorScale::kRigorous));
+  }
+  // METHODS 1.3: 1.39 f level, 1.93 f rigorous at 800x600, 60 degrees.
+  const View v = make_view({}, 800, 600);
+  EXPECT_NEAR(pixel_scale(v, ErrorScale::kUpright) / v.focal_px(), 1.39, 0.005);
+  EXPECT_NEAR(pixel_scale(v, ErrorScale::kRigorous) / v.focal_px(), 1.93, 0.005);
+}
+
+}  // namespace
+}  // namespace arete
