@@ -49,6 +49,7 @@ struct RefineStats {
   std::uint64_t built_blocks = 0;        ///< vertex blocks made in this frame
   std::uint64_t bytes_built = 0;         ///< bytes of those blocks: what a renderer must upload
   std::uint64_t resident_bytes = 0;      ///< vertex blocks that the engine holds
+  std::uint64_t full_triangles = 0;      ///< what full resolution would draw in the same places
   double achieved_error_px = 0;          ///< bound over everything drawn; 0 when nothing is
 };
 

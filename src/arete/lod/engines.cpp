@@ -1,1 +1,31 @@
+#include <array>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "arete/core/error.h"
 #include "arete/lod/engine.h"
+#include "arete/lod/full/full.h"
+#include "arete/lod/geomipmap/geomipmap.h"
+
+namespace arete::lod {
+
+std::span<const EngineInfo> engines() {
+  static constexpr std::array<EngineInfo, 2> kEngines{{
+      {"full", "", "every post, every triangle: the reference", full::preprocess, full::open},
+      {"geomipmap", "Wagner2003", "square patches, continuous levels, nine-factor geomorph",
+       geomipmap::preprocess, geomipmap::open},
+  }};
+  return kEngines;
+}
+
+const EngineInfo& find_engine(std::string_view name) {
+  std::string names;
+  for (const EngineInfo& info : engines()) {
+    if (info.name == name) return info;
+    names += (names.empty() ? "" : ", ") + std::string(info.name);
+  }
+  throw Error(ErrorCode::kUsage, fmt::format("{}: no such method: use one of {}", name, names));
+}
+
+}  // namespace arete::lod

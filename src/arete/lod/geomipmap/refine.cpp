@@ -1,0 +1,65 @@
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "arete/core/error.h"
+#include "arete/lod/geomipmap/geomipmap.h"
+#include "arete/lod/params.h"
+#include "arete/lod/patch_drawer.h"
+
+namespace arete::lod::geomipmap {
+namespace {
+
+class GeomipmapEngine final : public Engine {
+ public:
+  GeomipmapEngine(const store::Terrain& terrain, int log2_cells, Topology topology,
+                  std::size_t budget)
+      : drawer_(terrain, log2_cells, topology, budget) {}
+
+  // "All tessellation levels are calculated first, without creating the resulting geometry, and
+  // then each patch is informed about its neighbours' levels" [Wagner2003, "Connecting Patches"].
+  void refine(const View& view, const RefineOptions& options, DrawList& out) override {
+    out.clear();
+    const ScreenError error(view, options.tolerance_px, options.scale);
+    drawer_.field().solve(view.eye, error);
+    out.stats.evaluated_vertices = static_cast<std::uint64_t>(drawer_.table().size());
+    drawer_.draw(view, options, error, out);
+  }
+
+  Claims claims(const RefineOptions& options) const override {
+    // An angle is not a distance in the image: under kAngular the bound holds on a sphere only.
+    const bool in_pixels = options.scale != ErrorScale::kAngular;
+    // 2 tau kappa / (kappa - 1) |dP| / D  [METHODS 7.8(9)]
+    const double motion = 2 * options.tolerance_px * LevelField::kKappa / (LevelField::kKappa - 1);
+    return {true, in_pixels ? options.tolerance_px : std::numeric_limits<double>::infinity(),
+            motion};
+  }
+
+  std::span<const Vertex> vertices(BlockKey key) const override {
+    return drawer_.blocks().vertex_span(key);
+  }
+  std::span<const std::uint32_t> indices(BlockKey key) const override {
+    return drawer_.blocks().index_span(key);
+  }
+
+ private:
+  PatchDrawer drawer_;
+};
+
+Topology parse_topology(std::string_view text) {
+  if (text == "list") return Topology::kTriangles;
+  if (text == "strip") return Topology::kStrip;
+  throw Error(ErrorCode::kUsage, fmt::format("topology={}: unknown: use list or strip", text));
+}
+
+}  // namespace
+
+std::unique_ptr<Engine> open(const store::Terrain& terrain, const Params& params) {
+  check_names(params, {"patch", "topology", "blocks"});
+  const int w = parse_patch(param(params, "patch", "auto"), terrain.manifest());
+  const auto mib = static_cast<std::size_t>(int_param(params, "blocks", 256, {1, 1 << 20}));
+  return std::make_unique<GeomipmapEngine>(
+      terrain, w, parse_topology(param(params, "topology", "list")), mib << 20U);
+}
+
+}  // namespace arete::lod::geomipmap

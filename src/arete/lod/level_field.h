@@ -1,0 +1,64 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "arete/core/screen_error.h"
+#include "arete/lod/patch_table.h"
+
+namespace arete::lod {
+
+/// The continuous level of every patch for one eye (METHODS S4, coupling made monotone).
+///
+/// Patch P at distance D_P may err by a_P = slope D_P metres. Its own level is
+///   lambda*_P = the piecewise-linear inverse of its uniform errors at a_P, in [0, w],
+/// and side q of P may stand no coarser than c_Pq = the same inverse of its side errors. The field
+/// is the greatest lambda <= lambda* with
+///   lambda_Q <= max(lambda_P, min(lambda_P + 1, c_Pq))   for all neighbours P, Q.       (1)
+/// Then P's interior errs by at most a_P (lambda_P <= lambda*_P), its side strips too (a side
+/// stands at max(lambda_P, lambda_Q), and side errors bound a band for every interior level that
+/// may meet it), and integer levels of neighbours differ by at most 1.
+///
+/// Deviation: METHODS S4(b) caps by the strip error at P's actual level, which depends on the order
+/// of settling and can jump. (1) is monotone in lambda with constants that depend on the eye only:
+/// the greatest solution is unique, reached by relaxing in any order, and moves no faster than
+/// lambda* and c do: knots grow by kappa, so |d lambda| <= kappa/(kappa-1) |da|/a.
+class LevelField {
+ public:
+  static constexpr double kKappa = 1.5;  ///< least growth of errors from level to level
+
+  explicit LevelField(const PatchTable& table, double quantum_m);
+
+  /// Solves (1) for the eye. Cost: O(patches), a few sweeps.
+  void solve(glm::dvec3 eye, const ScreenError& error);
+  /// Every patch at level 0: the full-resolution reference.
+  void solve_full(glm::dvec3 eye);
+  /// Raises levels so that no patch is finer than `floor_level[patch]` and neighbours still differ
+  /// by at most 1 (tiles that are not there: the error grows, the surface stays conforming).
+  void raise(std::span<const float> floor_level);
+
+  float level(int patch) const { return level_[static_cast<std::size_t>(patch)]; }
+  double distance(int patch) const { return distance_[static_cast<std::size_t>(patch)]; }
+  /// Bound on |surface - height| of the patch, metres, for the levels as they are.
+  double error(int patch) const;
+  /// Sweeps that the last solve took.
+  int sweeps() const { return sweeps_; }
+
+ private:
+  void relax(int p, int n, Side q);
+  void sweep_forward();
+  void sweep_backward();
+  float cap(int patch, Side q) const;
+
+  const PatchTable& table_;
+  std::size_t knots_;
+  double slope_ = 0;
+  int sweeps_ = 0;
+  bool changed_ = false;
+  std::vector<float> hat_uniform_, hat_side_;  ///< knots made to grow by kappa
+  std::vector<double> distance_;
+  std::vector<float> level_;
+  std::vector<int> neighbours_;  ///< kSides a patch, -1 = none
+};
+
+}  // namespace arete::lod

@@ -1,0 +1,255 @@
+#include "arete/lod/patch_blocks.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+
+namespace arete::lod {
+namespace {
+
+// Height samples of one patch at one level, in lattice counts.
+struct Grid {
+  const RtinSquare& square;
+  std::span<const std::int32_t> counts;
+  double quantum_m;
+
+  std::int64_t at(int i, int j) const { return counts[local_vertex(square, i, j)]; }
+  // (h(p1) + h(p2)) / 2 - h(v), metres; exact before the last rounding.
+  float delta(std::pair<int, int> p1, std::pair<int, int> p2, std::pair<int, int> v) const {
+    const std::int64_t twice =
+        at(p1.first, p1.second) + at(p2.first, p2.second) - 2 * at(v.first, v.second);
+    return static_cast<float>(static_cast<double>(twice) * quantum_m / 2);
+  }
+};
+
+// The side that a border position lies on (corners excluded by the caller).
+Side side_of(const RtinSquare& s, int i, int j) {
+  if (i == 0) return kWest;
+  if (j == 0) return kNorth;
+  return i == s.cells ? kEast : kSouth;
+}
+
+bool on_border(const RtinSquare& s, int i, int j) {
+  return i == 0 || j == 0 || i == s.cells || j == s.cells;
+}
+
+// How a side's post of level l+1 moves while the side goes from l+1 to l+2.
+float side_delta_coarser(const Grid& g, Side q, int i, int j) {
+  if (q == kWest || q == kEast) return g.delta({i, j - 2}, {i, j + 2}, {i, j});
+  return g.delta({i - 2, j}, {i + 2, j}, {i, j});
+}
+
+// Adds the parent's own motion, halved: the last of Wagner's nine factors (METHODS 7.3).
+void add_parent(const Grid& g, std::pair<int, int> parent, Vertex& v, std::size_t& k) {
+  const auto [i, j] = parent;
+  if (!on_border(g.square, i, j)) return;
+  const Side q = side_of(g.square, i, j);
+  const int along = q == kWest || q == kEast ? j : i;
+  if (along % 4 != 2) return;  // of level l+2 or coarser: stands still
+  v.dz[k] = side_delta_coarser(g, q, i, j) / 2;
+  v.slot[k] = PatchSlot::product(q);
+  ++k;
+}
+
+void set_border_motion(const Grid& g, int i, int j, Vertex& v) {
+  const Side q = side_of(g.square, i, j);
+  const int along = q == kWest || q == kEast ? j : i;
+  if (along % 2 != 0) {
+    const auto [p1, p2] = morph_parents(g.square, i, j);
+    v.dz[0] = g.delta(p1, p2, {i, j});
+    v.slot[0] = PatchSlot::own(q);
+  } else if (along % 4 == 2) {
+    v.dz[0] = side_delta_coarser(g, q, i, j);
+    v.slot[0] = PatchSlot::coarser(q);
+  }
+}
+
+void set_interior_motion(const Grid& g, int i, int j, Vertex& v) {
+  if (i % 2 == 0 && j % 2 == 0) return;
+  const auto [p1, p2] = morph_parents(g.square, i, j);
+  v.dz[0] = g.delta(p1, p2, {i, j});
+  v.slot[0] = PatchSlot::kInterior;
+  std::size_t k = 1;
+  add_parent(g, p1, v, k);
+  add_parent(g, p2, v, k);
+}
+
+}  // namespace
+
+void make_patch_vertices(const RtinSquare& square, std::span<const std::int32_t> counts,
+                         Post origin, int level, const store::Manifest& lattice,
+                         std::span<Vertex> out) {
+  const Grid g{square, counts, lattice.quantum_m};
+  for (int j = 0; j <= square.cells; ++j) {
+    for (int i = 0; i <= square.cells; ++i) {
+      Vertex v;
+      v.post = {origin.col + (i << level), origin.row + (j << level)};
+      v.z = static_cast<float>(lattice.offset_m +
+                               lattice.quantum_m * static_cast<double>(g.at(i, j)));
+      const bool corner = (i == 0 || i == square.cells) && (j == 0 || j == square.cells);
+      if (!corner && on_border(square, i, j)) {
+        set_border_motion(g, i, j, v);
+      } else if (!corner) {
+        set_interior_motion(g, i, j, v);
+      }
+      out[local_vertex(square, i, j)] = v;
+    }
+  }
+}
+
+namespace {
+
+// Keys: bit 63 tells indices from vertices, so no key is kOwnBlock.
+// Vertices: level + 1, patch. Indices: level, side mask.
+constexpr BlockKey kIndexBit = BlockKey{1} << 63U;
+
+BlockKey vertex_key(int level, int patch) {
+  return BlockKey{static_cast<unsigned>(level) + 1} << 32U | static_cast<std::uint32_t>(patch);
+}
+
+}  // namespace
+
+PatchBlocks::PatchBlocks(const store::Terrain& terrain, const PatchTable& table, Topology topology,
+                         std::size_t budget_bytes)
+    : terrain_(terrain), table_(table), topology_(topology), budget_(budget_bytes) {
+  const int w = table.log2_cells();
+  levels_.resize(table.knots());
+  index_lists_.resize(table.knots());
+  for (int l = 0; l <= w; ++l) {
+    levels_[static_cast<std::size_t>(l)].slot_of_patch.assign(
+        static_cast<std::size_t>(table.size()), -1);
+    for (unsigned mask = 0; mask < 16; ++mask) {
+      // One cell has no side to adapt; masks 0 and 1 hold its two diagonals.
+      const RtinSquare square{level_cells(l), l == w && mask == 1};
+      auto list = rtin_triangles(square, l == w ? 0 : mask);
+      if (topology == Topology::kStrip) list = as_strip(list);
+      index_lists_[static_cast<std::size_t>(l)][mask] = std::move(list);
+    }
+  }
+  counts_.resize(static_cast<std::size_t>((table.cells() + 1) * (table.cells() + 1)));
+}
+
+BlockKey PatchBlocks::vertices(int patch, int level, OnMissing on_missing, RefineStats& stats) {
+  Level& store = levels_[static_cast<std::size_t>(level)];
+  int& index = store.slot_of_patch[static_cast<std::size_t>(patch)];
+  if (index < 0) {
+    const int side = level_cells(level) + 1;
+    const auto posts = static_cast<std::size_t>(side * side);
+    const std::size_t taken = take_slot(store, posts);
+    Slot& slot = store.slots[taken];
+    if (!fill(patch, level, on_missing, slot.vertices)) {
+      store.free.push_back(taken);
+      return kOwnBlock;
+    }
+    slot.patch = patch;
+    index = static_cast<int>(taken);
+    ++stats.built_blocks;
+    stats.bytes_built += posts * sizeof(Vertex);
+  }
+  Slot& slot = store.slots[static_cast<std::size_t>(index)];
+  slot.used = frame_;
+  return vertex_key(level, patch);
+}
+
+// A free slot, else a new one while the budget lasts, else one that neither this frame nor the last
+// used (the renderer may still show it). Only a frame that needs more than the budget outgrows it.
+std::size_t PatchBlocks::take_slot(Level& level, std::size_t posts) {
+  const std::size_t wanted = posts * sizeof(Vertex);
+  if (level.free.empty() && bytes_ + wanted > budget_) {
+    for (std::size_t tries = level.slots.size(); tries > 0; --tries) {
+      level.hand = (level.hand + 1) % level.slots.size();
+      Slot& slot = level.slots[level.hand];
+      if (slot.patch < 0 || !idle(slot)) continue;
+      level.slot_of_patch[static_cast<std::size_t>(slot.patch)] = -1;
+      slot.patch = -1;
+      return level.hand;
+    }
+    release_unused(wanted);
+  }
+  std::size_t index = level.slots.size();
+  if (level.free.empty()) {
+    level.slots.emplace_back();
+  } else {
+    index = level.free.back();
+    level.free.pop_back();
+  }
+  Slot& slot = level.slots[index];
+  if (slot.vertices.empty()) {
+    slot.vertices.resize(posts);
+    bytes_ += wanted;
+  }
+  return index;
+}
+
+void PatchBlocks::release_unused(std::size_t wanted_bytes) {
+  for (Level& level : levels_) {
+    for (std::size_t i = 0; i < level.slots.size(); ++i) {
+      if (bytes_ + wanted_bytes <= budget_) return;
+      Slot& slot = level.slots[i];
+      if (slot.vertices.empty() || (slot.patch >= 0 && !idle(slot))) continue;
+      if (slot.patch >= 0) {
+        level.slot_of_patch[static_cast<std::size_t>(slot.patch)] = -1;
+        slot.patch = -1;
+        level.free.push_back(i);
+      }
+      bytes_ -= slot.vertices.size() * sizeof(Vertex);
+      slot.vertices = {};
+    }
+  }
+}
+
+bool PatchBlocks::fill(int patch, int level, OnMissing on_missing, std::span<Vertex> out) {
+  const int w = table_.log2_cells();
+  const int n = level_cells(level);
+  const int x = table_.x(patch);
+  const int y = table_.y(patch);
+  const RtinSquare square{n, ((x + y) & 1) != 0};
+  const std::span<std::int32_t> counts = std::span(counts_).first(out.size());
+  if (level == w) {
+    std::ranges::copy(table_.corners(patch), counts.begin());
+  } else {
+    const int per_tile = store::kTileCells / n;  // patches a side of a tile of this level
+    const TileId id{static_cast<std::uint32_t>(level), static_cast<std::uint32_t>(x / per_tile),
+                    static_cast<std::uint32_t>(y / per_tile)};
+    const auto tile = terrain_.heights(
+        id, on_missing == OnMissing::kWait ? store::Fetch::kWait : store::Fetch::kResident);
+    if (!tile) return false;
+    for (int j = 0; j <= n; ++j) {
+      const auto row = static_cast<std::ptrdiff_t>((y % per_tile * n + j) * store::kTilePosts +
+                                                   x % per_tile * n);
+      std::copy_n(tile->counts.begin() + row, n + 1, counts.begin() + j * (n + 1));
+    }
+  }
+  make_patch_vertices(square, counts, {x << w, y << w}, level, terrain_.manifest(), out);
+  return true;
+}
+
+BlockKey PatchBlocks::indices(int patch, int level, unsigned side_mask) const {
+  if (level == table_.log2_cells())
+    side_mask = static_cast<unsigned>(table_.x(patch) + table_.y(patch)) & 1U;
+  return kIndexBit | BlockKey{static_cast<unsigned>(level)} << 8U | side_mask;
+}
+
+std::uint32_t PatchBlocks::index_count(BlockKey key) const {
+  return static_cast<std::uint32_t>(index_span(key).size());
+}
+
+std::uint64_t PatchBlocks::triangles(int level, unsigned side_mask) const {
+  const auto n = static_cast<std::uint64_t>(level_cells(level));
+  if (n == 1) return 2;
+  return 2 * n * n - static_cast<std::uint64_t>(std::popcount(side_mask)) * (n / 2);
+}
+
+std::span<const Vertex> PatchBlocks::vertex_span(BlockKey key) const {
+  const auto level = static_cast<std::size_t>((key >> 32U & 0xFFU) - 1);
+  const auto patch = static_cast<std::size_t>(key & 0xFFFFFFFFU);
+  const int slot = levels_[level].slot_of_patch[patch];
+  assert(slot >= 0);
+  return levels_[level].slots[static_cast<std::size_t>(slot)].vertices;
+}
+
+std::span<const std::uint32_t> PatchBlocks::index_span(BlockKey key) const {
+  return index_lists_[static_cast<std::size_t>(key >> 8U & 0xFFU)][key & 0xFFU];
+}
+
+}  // namespace arete::lod
