@@ -1,0 +1,230 @@
+#include "arete/raster/fence.h"
+
+#include <algorithm>
+#include <array>
+#include <mutex>
+#include <string_view>
+
+#include <cpl_conv.h>
+#include <cpl_string.h>
+#include <fmt/format.h>
+#include <gdal_frmts.h>
+#include <ogr_srs_api.h>
+
+#include "arete/core/error.h"
+#include "arete/raster/container.h"
+
+namespace arete::raster {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kMaxBlockBytes = std::int64_t{64} << 20;
+
+constexpr std::array kDemDrivers = {
+    "GTiff", "SRTMHGT", "DTED", "USGSDEM", "AAIGrid", "EHdr", "ENVI",     "HFA",   "PNG", "netCDF",
+    "GTX",   "GSAG",    "GSBG", "GS7BG",   "PDS",     "PDS4", "Terragen", "ISIS3", "PNM"};
+constexpr std::array kPictureDrivers = {"GTiff", "PNG", "JPEG", "HFA", "PNM", "ENVI", "EHdr"};
+
+void register_drivers() {
+  GDALRegister_GTiff();
+  GDALRegister_SRTMHGT();
+  GDALRegister_DTED();
+  GDALRegister_USGSDEM();
+  GDALRegister_AAIGrid();
+  GDALRegister_EHdr();
+  GDALRegister_ENVI();
+  GDALRegister_HFA();
+  GDALRegister_PNG();
+  GDALRegister_netCDF();
+  GDALRegister_GTX();
+  GDALRegister_GSAG();
+  GDALRegister_GSBG();
+  GDALRegister_GS7BG();
+  GDALRegister_Terragen();
+  GDALRegister_PDS();
+  GDALRegister_PDS4();
+  GDALRegister_ISIS3();
+  GDALRegister_PNM();
+  GDALRegister_JPEG();
+}
+
+// Set explicitly, because an environment variable of the same name would count otherwise.
+void set_options() {
+  CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
+  CPLSetConfigOption("GDAL_DISABLE_READDIR_ON_OPEN", "EMPTY_DIR");
+  CPLSetConfigOption("CPL_VSIL_CURL_ALLOWED_EXTENSIONS", ".none");
+  CPLSetConfigOption("CPL_DEBUG", "OFF");
+  CPLSetConfigOption("GTIFF_POINT_GEO_IGNORE", "NO");
+  CPLSetConfigOption("GDAL_CACHEMAX", "128");
+  OSRSetPROJEnableNetwork(0);
+}
+
+CPLStringList driver_list(Purpose purpose) {
+  CPLStringList list;
+  const auto add = [&](const auto& names) {
+    for (const char* name : names) list.AddString(name);
+  };
+  if (purpose == Purpose::kDem) {
+    add(kDemDrivers);
+  } else {
+    add(kPictureDrivers);
+  }
+  return list;
+}
+
+// The side files that EHdr, ENVI and AAIGrid cannot do without; nothing else of the folder is
+// shown to GDAL.
+CPLStringList siblings(const fs::path& file) {
+  CPLStringList list;
+  list.AddString(file.filename().c_str());
+  for (const char* extension : {".hdr", ".HDR", ".prj", ".PRJ"}) {
+    fs::path beside = file;
+    beside.replace_extension(extension);
+    std::error_code ignored;
+    if (beside != file && fs::is_regular_file(beside, ignored)) {
+      list.AddString(beside.filename().c_str());
+    }
+  }
+  return list;
+}
+
+void check_name(const fs::path& file) {
+  const std::string& text = file.native();
+  if (text.starts_with("/vsi") || text.starts_with('<') || text.find("://") != text.npos) {
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("{}: not a local file: copy it to a disk and name that copy", text));
+  }
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (!fs::exists(status)) {
+    throw Error(ErrorCode::kNotFound, fmt::format("{}: no such file: check the path", text));
+  }
+  if (!fs::is_regular_file(status)) {
+    throw Error(ErrorCode::kInvalidInput,
+                fmt::format("{}: not a regular file: name the DEM file itself", text));
+  }
+}
+
+Dataset open_with(const std::string& name, Purpose purpose, CSLConstList beside) {
+  const CPLStringList drivers = driver_list(purpose);
+  CPLStringList options;
+  options.SetNameValue("NUM_THREADS", "2");
+  return Dataset(GDALDataset::Open(name.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers.List(),
+                                   options.List(), beside));
+}
+
+// Labels of the planetary drivers may name another file for the samples: only a twin in the same
+// folder is let through.
+void check_references(GDALDataset& dataset, const fs::path& file) {
+  const std::string_view driver = dataset.GetDriverName();
+  if (driver != "PDS" && driver != "PDS4" && driver != "ISIS3") return;
+  const CPLStringList files(dataset.GetFileList());
+  for (int i = 0; i < files.Count(); ++i) {
+    const fs::path other = fs::path(files[i]).lexically_normal();
+    if (other.parent_path() != file.parent_path().lexically_normal() ||
+        other.stem() != file.stem()) {
+      throw Error(ErrorCode::kUnsupported,
+                  fmt::format("{}: its label refers to another file: convert it to GeoTIFF first",
+                              display_name(file)));
+    }
+  }
+}
+
+}  // namespace
+
+void DatasetCloser::operator()(GDALDataset* dataset) const {
+  const Messages unheard;
+  GDALClose(GDALDataset::ToHandle(dataset));
+}
+
+void raise_fence() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    // Also hears what GDAL's own threads say; Messages hears its thread's.
+    CPLSetErrorHandler(CPLQuietErrorHandler);
+    set_options();
+    register_drivers();
+  });
+}
+
+Messages::Messages() {
+  CPLPushErrorHandlerEx(hear, this);
+}
+
+Messages::~Messages() {
+  CPLPopErrorHandler();
+}
+
+void Messages::hear(CPLErr level, CPLErrorNum, const char* text) {
+  auto* self = static_cast<Messages*>(CPLGetErrorHandlerUserData());
+  std::string line = text;
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  if (level == CE_Warning) self->warning_ = std::move(line);
+  if (level >= CE_Failure && self->failure_.empty()) self->failure_ = std::move(line);
+}
+
+std::string Messages::text(const std::string& otherwise) const {
+  if (!failure_.empty()) return failure_;
+  return warning_.empty() ? otherwise : warning_;
+}
+
+std::string display_name(const fs::path& file) {
+  return file.filename().string();
+}
+
+Dataset open_fenced(const fs::path& file, Purpose purpose, std::string* note) {
+  raise_fence();
+  check_name(file);
+  const fs::path path = fs::absolute(file);
+  const Messages messages;
+  std::string name = path.native();
+  CPLStringList beside = siblings(path);
+  if (is_zip(path)) {
+    name = zip_member(path);
+    beside = CPLStringList();
+    beside.AddString(fs::path(name).filename().c_str());
+  }
+  Dataset dataset = open_with(name, purpose, beside.List());
+  if (!dataset) {
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("{}: not readable as an elevation model or picture ({}): convert it to "
+                            "GeoTIFF",
+                            display_name(file), messages.text("no driver knows this format")));
+  }
+  check_references(*dataset, path);
+  if (dataset->GetRasterCount() == 0) {
+    const std::string variable = largest_variable(*dataset, name, note);
+    if (!variable.empty()) dataset = open_with(variable, purpose, nullptr);
+  }
+  if (!dataset || dataset->GetRasterCount() == 0) {
+    throw Error(ErrorCode::kInvalidInput,
+                fmt::format("{}: holds no grid of samples: convert one of its layers to GeoTIFF",
+                            display_name(file)));
+  }
+  return dataset;
+}
+
+void check_shape(GDALDataset& dataset, int max_side, const std::string& name) {
+  const int cols = dataset.GetRasterXSize();
+  const int rows = dataset.GetRasterYSize();
+  if (cols < 1 || rows < 1 || cols > max_side || rows > max_side) {
+    throw Error(ErrorCode::kLimit, fmt::format("{}: {} x {} samples: at most {} a side are read",
+                                               name, cols, rows, max_side));
+  }
+  for (int i = 1; i <= dataset.GetRasterCount(); ++i) {
+    GDALRasterBand& band = *dataset.GetRasterBand(i);
+    int width = 0, height = 0;
+    band.GetBlockSize(&width, &height);
+    const std::int64_t bytes =
+        std::int64_t{width} * height * GDALGetDataTypeSizeBytes(band.GetRasterDataType());
+    if (width < 1 || height < 1 || bytes > kMaxBlockBytes) {
+      throw Error(ErrorCode::kLimit,
+                  fmt::format("{}: stored in blocks of {} x {} samples, over 64 MiB: rewrite it "
+                              "tiled (gdal_translate -co TILED=YES)",
+                              name, width, height));
+    }
+  }
+}
+
+}  // namespace arete::raster

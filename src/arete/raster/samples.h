@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "arete/raster/fence.h"
+
+namespace arete::raster {
+
+/// Undecoded rows of a grid, as the file keeps them (host byte order), band-interleaved by sample.
+class Samples {
+ public:
+  virtual ~Samples() = default;
+  /// Rows [first, first + rows) into `out`. Throws: kCorrupt naming the row.
+  virtual void read(int first, int rows, std::byte* out) = 0;
+  /// Rows that are cheapest to read together.
+  virtual int block_rows() const = 0;
+};
+
+/// Full-width rows of `bands` (1-based, of one type) of an open file; never decimated, so that
+/// overviews and what they may refer to are not touched.
+std::unique_ptr<Samples> gdal_samples(Dataset dataset, std::vector<int> bands, std::string name);
+
+/// Little-endian samples of `sample_bytes` bytes without a header. Throws: kIo.
+std::unique_ptr<Samples> raw_samples(const std::filesystem::path& file, int cols, int sample_bytes);
+
+}  // namespace arete::raster
