@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -24,15 +26,21 @@ struct Land {
 
 enum class Shading {
   kLand,  ///< hypsometric tint or drape, lit, with haze
-  kKey,   ///< one flat colour, no light, no haze: what `verify` counts leaks with
+  kKey,   ///< kKeyLand before kKeyBackground, no light, no haze: what `verify` counts leaks with
 };
+
+inline constexpr std::array<std::uint8_t, 3> kKeyLand{255, 255, 255};
+inline constexpr std::array<std::uint8_t, 3> kKeyBackground{255, 0, 255};
 
 struct Style {
   Shading shading = Shading::kLand;
-  bool wireframe = false;            ///< triangle edges over the land
+  bool wireframe = false;            ///< triangle edges over the land; kLand only
   bool mask = true;                  ///< discard fragments without data
   bool morph = true;                 ///< false: factors are taken as 0
   glm::dvec3 sun{0.45, 0.35, 0.82};  ///< direction towards the sun, world, any length
+  /// Tiles of each pyramid (normals, validity, drape) that a frame may read; what is missing is
+  /// shown coarser. Without a limit every frame is complete and depends on the view alone.
+  int texture_tiles = std::numeric_limits<int>::max();
 };
 
 /// Colour + reversed-Z float depth, width x height.
@@ -74,10 +82,15 @@ class Renderer {
 
   void draw(const View& view, const DrawList& list, const BlockSource& blocks, const Style& style,
             Frame& frame);
+  /// Of the latest draw.
   const DrawStats& stats() const;
+  /// Frees the blocks that were uploaded from the source. Blocks are known by source and key: call
+  /// it before an engine dies that this renderer has drawn, for another may be made at its address.
+  void forget(const BlockSource& blocks);
 
   /// Transform feedback of the vertex stage: for each vertex of each batch's vertex block, in
-  /// order, the drawn position (plan offset in posts, z in metres), 3 floats.
+  /// order, the drawn position (plan offset from the vertex's own post in posts, z in metres), 3
+  /// floats; NaN where a block did not fit. For tests: one GL call a batch.
   std::vector<float> vertex_stage(const View& view, const DrawList& list,
                                   const BlockSource& blocks);
 

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "arete/core/draw_list.h"
+#include "arete/render/block_arena.h"
+
+namespace arete::render {
+
+/// glMultiDrawElementsIndirect's record; base_instance is the draw's row of factors.
+struct DrawCommand {
+  std::uint32_t count, instances, first_index;
+  std::int32_t base_vertex;
+  std::uint32_t base_instance;
+};
+static_assert(sizeof(DrawCommand) == 20);
+
+/// Factors of one draw as the vertex stage reads them.
+struct DrawFactors {
+  std::array<float, 16> factor;
+};
+
+enum class Morph { kOn, kOff };
+
+/// A DrawList's batches, placed in the arena for one frame. Keeps its memory between frames.
+class Batches {
+ public:
+  /// Uploads what the arena does not hold yet. Batches that do not fit are left out and counted.
+  void place(const DrawList& list, const BlockSource& blocks, Morph morph, BlockArena& arena);
+  /// One indirect call a topology. Requires: place() of this frame, a bound vertex array.
+  void draw(const BlockArena& arena) const;
+  /// Binds the factors for the vertex stage. Does nothing when no batch was placed.
+  void bind_factors(const BlockArena& arena) const;
+  std::size_t count() const { return triangles_.size() + strips_.size(); }
+  /// Of the first batch placed, in the arena. Requires: count() > 0.
+  std::int32_t first_vertex() const;
+  std::uint64_t triangles() const;
+  std::uint64_t dropped() const { return dropped_; }
+
+ private:
+  void update_appended(const DrawList& list, const BlockSource& blocks, BlockArena& arena);
+  void touch(const DrawList& list, const BlockSource& blocks, BlockArena& arena);
+  bool reserve(const DrawList& list, BlockArena& arena);
+  std::optional<std::uint64_t> vertices_of(const DrawBatch& batch, BlockArena& arena);
+  std::optional<std::uint64_t> indices_of(const DrawBatch& batch, BlockArena& arena);
+
+  const DrawList* list_ = nullptr;
+  const BlockSource* blocks_ = nullptr;
+  std::vector<DrawCommand> triangles_, strips_;
+  std::vector<DrawFactors> factors_;
+  std::uint64_t own_vertices_ = 0, own_indices_ = 0;  // offsets in the arena, bytes
+  std::uint64_t factors_offset_ = 0, commands_offset_ = 0;
+  std::uint64_t dropped_ = 0;
+};
+
+}  // namespace arete::render

@@ -1,0 +1,31 @@
+// Linear light. One sun, a sky that pales towards the horizon, haze that takes its colour from it.
+const vec3 kSunlight = vec3(1.0, 0.93, 0.80);
+
+vec3 sky_colour(vec3 direction) {
+  float up = max(direction.z, 0.0);
+  float toward_sun = max(dot(direction, sun.xyz), 0.0);
+  vec3 zenith = vec3(0.10, 0.24, 0.56);
+  vec3 horizon = vec3(0.60, 0.73, 0.88);
+  float pale = exp2(-7.0 * up);
+  vec3 colour = mix(zenith, horizon, pale);
+  float glow = toward_sun * toward_sun;
+  glow *= glow;
+  return colour + kSunlight * (0.10 * glow + 0.25 * glow * glow * glow * glow) * (0.4 + 0.6 * pale);
+}
+
+// Share of the point's own light that reaches the eye, through air that thins exponentially.
+float transmittance(vec3 from_eye) {
+  float climb = from_eye.z * haze.y;
+  float at_eye = exp(-max(haze.z * haze.y, -2.0));
+  float mean = abs(climb) < 1e-3 ? 1.0 : (1.0 - exp(-clamp(climb, -40.0, 40.0))) / climb;
+  return exp(-haze.x * length(from_eye) * at_eye * mean);
+}
+
+// Filmic curve with the display's gamma in it [Hejl-Burgess-Dawson], then half a step of ordered
+// noise against banding.
+vec3 display(vec3 linear) {
+  vec3 x = max(linear - 0.004, 0.0);
+  vec3 c = (x * (6.2 * x + 0.5)) / (x * (6.2 * x + 1.7) + 0.06);
+  float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+  return c + (noise - 0.5) / 255.0;
+}

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "arete/render/gl_object.h"
+
+namespace arete::render {
+
+/// Hypsometric tint over [z_min, z_max]: valleys green, then ochre, rock and snow; blues below 0 m
+/// where the range spans it.
+struct Tint {
+  GlTexture texture;  ///< 1D, sRGB, lowest first
+  float sea_level;    ///< share of the range that is below 0 m; -1 = no sea
+};
+
+Tint make_tint(double z_min, double z_max);
+
+}  // namespace arete::render
