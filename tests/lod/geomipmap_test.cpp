@@ -1,0 +1,150 @@
+#include "arete/lod/geomipmap/geomipmap.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <new>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "arete/core/error.h"
+#include "arete/lod/level_field.h"
+#include "arete/mesh/surface.h"
+
+#include "lod/built_terrain.h"
+
+namespace {
+std::atomic<std::uint64_t> allocations{0};
+}
+
+// Counts every allocation of this test program: refine must make none once warm.
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size)) return p;
+  throw std::bad_alloc();
+}
+void operator delete(void* p) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  std::free(p);
+}
+
+namespace arete::lod {
+namespace {
+
+View view_at(double t) {
+  return make_view(
+      {.eye = {500 + 5000 * t, -2500 + 400 * std::sin(7 * t), 900 + 200 * std::cos(9 * t)},
+       .yaw = 1 + 3 * t,
+       .pitch = -0.3,
+       .near_m = 1},
+      320, 240);
+}
+
+class Geomipmap : public testing::Test {
+ protected:
+  BuiltTerrain terrain_{rough_dem(257, 193, 1, 0.1), {{"patch", "17"}}};
+  std::unique_ptr<store::Terrain> opened_ = terrain_.open();
+};
+
+TEST_F(Geomipmap, RefineAllocatesNothingOnceWarm) {
+  const auto engine = geomipmap::open(*opened_, {{"patch", "17"}});
+  DrawList list;
+  for (int k = 0; k < 200; ++k) engine->refine(view_at(k / 200.0), {}, list);
+  const std::uint64_t before = allocations;
+  for (int k = 0; k < 200; ++k) engine->refine(view_at(k / 200.0), {}, list);
+  EXPECT_EQ(allocations - before, 0U);
+  delete new int;  // the control: the counter counts
+  EXPECT_EQ(allocations - before, 1U);
+}
+
+TEST_F(Geomipmap, FieldKeepsItsConstraints) {
+  const PatchTable table(*opened_, 4);
+  LevelField field(table, opened_->manifest().quantum_m);
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int k = 0; k < 200; ++k) {
+    const View view = view_at(unit(random));
+    const ScreenError error(view, 0.3 + 5 * unit(random));
+    field.solve(view.eye, error);
+    for (int p = 0; p < table.size(); ++p) {
+      if (!table.drawable(p)) continue;
+      EXPECT_LE(field.error(p), error.allowed_m(field.distance(p)) * (1 + 1e-5) + 1e-9);
+      for (const Side q : kAllSides) {
+        const int n = table.neighbour(p, q);
+        if (n < 0) continue;
+        EXPECT_LE(std::abs(field.level(p) - field.level(n)), 1.0F);
+        EXPECT_LE(std::abs(std::floor(field.level(p)) - std::floor(field.level(n))), 1.0F);
+      }
+    }
+  }
+}
+
+// Height of the drawn surface at the posts of its vertices.
+std::map<std::pair<int, int>, float> heights(Engine& engine, const View& view) {
+  DrawList list;
+  engine.refine(view, {.cull = false}, list);
+  mesh::Surface surface;
+  mesh::flatten(list, engine, surface);
+  std::map<std::pair<int, int>, float> out;
+  for (const auto& v : surface.vertices) out[{v.post.col, v.post.row}] = v.z;
+  return out;
+}
+
+TEST_F(Geomipmap, NothingPops) {
+  const auto engine = geomipmap::open(*opened_, {{"patch", "17"}});
+  const double step = 1e-4;  // of the path: half a metre
+  double worst = 0;
+  for (int k = 0; k < 60; ++k) {
+    const double t = k / 60.0;
+    const View a = view_at(t);
+    const View b = view_at(t + step);
+    const auto before = heights(*engine, a);
+    const auto after = heights(*engine, b);
+    const double moved = glm::length(a.eye - b.eye);
+    for (const auto& [post, z] : before) {
+      const auto it = after.find(post);
+      if (it == after.end()) continue;
+      const glm::dvec2 plan =
+          terrain_.dem().georef().world_from_post.apply(post.first, post.second);
+      const double distance = glm::length(b.eye - glm::dvec3(plan, z));
+      // 6 tau |dP| / D with D the distance to the nearest ground, generously the height above it
+      const double allowed = 6 * (moved / 100 + 0.002);
+      const double px = pixel_scale(b, ErrorScale::kUpright) * std::abs(it->second - z) / distance;
+      worst = std::max(worst, px / allowed);
+    }
+  }
+  EXPECT_LE(worst, 1);
+  EXPECT_GT(worst, 0);
+}
+
+TEST_F(Geomipmap, RefusesUnknownOptions) {
+  EXPECT_THROW(geomipmap::open(*opened_, {{"pach", "17"}}), Error);
+  EXPECT_THROW(geomipmap::open(*opened_, {{"patch", "18"}}), Error);
+  EXPECT_THROW(geomipmap::open(*opened_, {{"patch", "33"}}), Error);  // not built
+  EXPECT_THROW(find_engine("nothing"), Error);
+}
+
+TEST_F(Geomipmap, StripsDrawTheSameTriangles) {
+  const auto lists = geomipmap::open(*opened_, {{"patch", "17"}});
+  const auto strips = geomipmap::open(*opened_, {{"patch", "17"}, {"topology", "strip"}});
+  DrawList a;
+  DrawList b;
+  mesh::Surface sa;
+  mesh::Surface sb;
+  lists->refine(view_at(0.4), {}, a);
+  strips->refine(view_at(0.4), {}, b);
+  mesh::flatten(a, *lists, sa);
+  mesh::flatten(b, *strips, sb);
+  EXPECT_EQ(sa.indices.size(), sb.indices.size());
+  EXPECT_EQ(a.stats.triangles, b.stats.triangles);
+  const auto report = mesh::check_surface(sb, terrain_.dem(), nullptr);
+  EXPECT_EQ(report.flipped + report.overlaps + report.t_junctions + report.height_mismatches, 0U);
+}
+
+}  // namespace
+}  // namespace arete::lod
