@@ -18,12 +18,6 @@ float factor_of(const DrawBatch& batch, std::uint8_t slot) {
   return slot < kFactorCount ? batch.factor[slot] : 0.0F;
 }
 
-SurfaceVertex place(const Vertex& v, const DrawBatch& batch) {
-  const float f = v.dcol == 0 && v.drow == 0 ? 0.0F : factor_of(batch, v.slot[0]);
-  return {v.post, static_cast<float>(v.dcol) * f, static_cast<float>(v.drow) * f,
-          morphed_z(v, batch.factor)};
-}
-
 class Flattener {
  public:
   explicit Flattener(Surface& out) : out_(out) {}
@@ -58,7 +52,7 @@ class Flattener {
     Placed& p = placed_[v];
     if (p.stamp != stamp_) {
       p = {stamp_, static_cast<std::uint32_t>(out_.vertices.size())};
-      out_.vertices.push_back(place(vertices_[v], *batch_));
+      out_.vertices.push_back(drawn_vertex(vertices_[v], *batch_));
     }
     return p.index;
   }
@@ -77,17 +71,29 @@ void Surface::clear() {
   indices.clear();
 }
 
+SurfaceVertex drawn_vertex(const Vertex& v, const DrawBatch& batch) {
+  const float f = v.dcol == 0 && v.drow == 0 ? 0.0F : factor_of(batch, v.slot[0]);
+  return {v.post, static_cast<float>(v.dcol) * f, static_cast<float>(v.drow) * f,
+          morphed_z(v, batch.factor)};
+}
+
+std::span<const Vertex> vertices_of(const DrawBatch& batch, const DrawList& list,
+                                    const BlockSource& blocks) {
+  return batch.vertices == kOwnBlock ? list.vertices : blocks.vertices(batch.vertices);
+}
+
+std::span<const std::uint32_t> indices_of(const DrawBatch& batch, const DrawList& list,
+                                          const BlockSource& blocks) {
+  const std::span<const std::uint32_t> all =
+      batch.indices == kOwnBlock ? list.indices : blocks.indices(batch.indices);
+  return all.subspan(batch.first_index, batch.index_count);
+}
+
 void flatten(const DrawList& list, const BlockSource& blocks, Surface& out) {
   out.clear();
   Flattener flattener(out);
   for (const DrawBatch& b : list.batches) {
-    const std::span<const Vertex> vertices = b.vertices == kOwnBlock
-                                                 ? std::span<const Vertex>(list.vertices)
-                                                 : blocks.vertices(b.vertices);
-    const std::span<const std::uint32_t> indices =
-        b.indices == kOwnBlock ? std::span<const std::uint32_t>(list.indices)
-                               : blocks.indices(b.indices);
-    flattener.add(b, vertices, indices.subspan(b.first_index, b.index_count));
+    flattener.add(b, vertices_of(b, list, blocks), indices_of(b, list, blocks));
   }
 }
 

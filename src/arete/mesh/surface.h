@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "arete/core/draw_list.h"
@@ -24,6 +25,15 @@ struct Surface {
   std::size_t triangles() const { return indices.size() / 3; }
   void clear();
 };
+
+/// The vertex under the batch's factors.
+SurfaceVertex drawn_vertex(const Vertex& v, const DrawBatch& batch);
+
+/// The vertices and indices that a batch draws, of the list itself or of a block.
+std::span<const Vertex> vertices_of(const DrawBatch& batch, const DrawList& list,
+                                    const BlockSource& blocks);
+std::span<const std::uint32_t> indices_of(const DrawBatch& batch, const DrawList& list,
+                                          const BlockSource& blocks);
 
 /// Applies every batch's factors (morphed_z) and expands strips, dropping degenerate triangles
 /// (a repeated index). Vertices of one batch are not merged with those of another; vertices that no

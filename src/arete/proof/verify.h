@@ -11,6 +11,11 @@
 
 namespace arete::proof {
 
+/// What float rounding may add to a screen distance. Vertices are drawn as floats: half a unit in
+/// the last place of a height of some kilometres is 0.1 mm, seen from a few hundred metres, where
+/// an engine may first use its whole tolerance, that is less than this.
+inline constexpr double kRoundingPx = 1e-3;
+
 struct VerifyOptions {
   int frames = 300;
   int width = 1280, height = 720;

@@ -1,0 +1,84 @@
+#include "arete/proof/pop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "arete/proof/drawn_posts.h"
+#include "arete/proof/screen_shift.h"
+#include "arete/proof/sum_over_tiles.h"
+
+namespace arete::proof {
+namespace {
+
+std::vector<int> seen_in_both(const FramePair& pair, const Reference& reference) {
+  const std::vector<int> a = reference.visible_tiles(pair.view_before);
+  const std::vector<int> b = reference.visible_tiles(pair.view_after);
+  std::vector<int> both;
+  std::ranges::set_intersection(a, b, std::back_inserter(both));
+  return both;
+}
+
+double distance_to_box(glm::dvec3 p, glm::dvec3 lo, glm::dvec3 hi) {
+  return glm::length(glm::max(glm::max(lo - p, p - hi), glm::dvec3(0)));
+}
+
+}  // namespace
+
+PixelHistogram measure_pops(const FramePair& pair, const Reference& reference, int threads) {
+  const std::vector<int> tiles = seen_in_both(pair, reference);
+  const DrawnPosts before(pair.before, reference, tiles);
+  const DrawnPosts after(pair.after, reference, tiles);
+  const ScreenShift earlier(pair.view_before, reference.world_from_post());
+  const ScreenShift later(pair.view_after, reference.world_from_post());
+  return sum_over_tiles<PixelHistogram>(tiles, threads, [&](int tile, PixelHistogram& sum) {
+    PostHeights z_before;
+    PostHeights z_after;
+    before.read(tile, z_before);
+    after.read(tile, z_after);
+    for_each_post(reference, tile, [&](Post p, std::size_t i) {
+      if (std::isnan(z_before[i]) || std::isnan(z_after[i])) return;
+      const double true_z = double{reference.dem()[p]};
+      const glm::dvec3 c = later.clip(p, true_z);
+      if (!later.inside(c) || !earlier.inside(earlier.clip(p, true_z))) return;
+      sum.add_squared(
+          later.squared_px(later.raised(c, z_after[i] - true_z), z_before[i] - z_after[i]));
+    });
+  });
+}
+
+double nearest_batch_m(const DrawList& list, const BlockSource& blocks,
+                       const Affine2& world_from_post, glm::dvec3 eye) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const DrawBatch& batch : list.batches) {
+    const std::span<const Vertex> vertices = mesh::vertices_of(batch, list, blocks);
+    glm::dvec3 lo(std::numeric_limits<double>::infinity());
+    glm::dvec3 hi = -lo;
+    for (const std::uint32_t i : mesh::indices_of(batch, list, blocks)) {
+      const mesh::SurfaceVertex v = mesh::drawn_vertex(vertices[i], batch);
+      const glm::dvec2 plan =
+          world_from_post.apply(double{v.dcol} + v.post.col, double{v.drow} + v.post.row);
+      lo = glm::min(lo, {plan, double{v.z}});
+      hi = glm::max(hi, {plan, double{v.z}});
+    }
+    nearest = std::min(nearest, distance_to_box(eye, lo, hi));
+  }
+  return nearest;
+}
+
+double relative_motion(const View& before, const View& after, ErrorScale scale, double nearest_m) {
+  const double moved = glm::length(after.eye - before.eye);
+  const double alpha = pixel_scale(after, scale);
+  const double zoomed = std::abs(alpha - pixel_scale(before, scale)) / alpha;
+  return (moved == 0 ? 0 : moved / nearest_m) + zoomed;
+}
+
+double pop_share(double pop_px, double promise_px) {
+  if (pop_px == 0 || std::isinf(promise_px)) return 0;
+  return pop_px / promise_px;
+}
+
+}  // namespace arete::proof
