@@ -1,0 +1,145 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "arete/render/headless.h"
+
+#include "bench_run.h"
+#include "flags.h"
+#include "json.h"
+#include "verbs.h"
+
+namespace arete::app {
+namespace {
+
+struct BenchFlags {
+  FlightFlags flight;
+  std::string methods = "all";
+  Drawing drawing = Drawing::kDraw;
+  bool json = false;
+};
+
+/// The smallest sample that at least `share` of the samples do not exceed.
+double quantile(std::vector<double> samples, double share) {
+  if (samples.empty()) {
+    return 0;
+  }
+  std::ranges::sort(samples);
+  const double rank = std::ceil(share * static_cast<double>(samples.size()));
+  return samples[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
+}
+
+Json times_json(const std::vector<double>& samples) {
+  if (samples.empty()) {
+    return nullptr;
+  }
+  return {{"p50", quantile(samples, 0.5)},
+          {"p99", quantile(samples, 0.99)},
+          {"max", quantile(samples, 1)}};
+}
+
+Json options_json(const BenchFlags& flags, const std::string& method) {
+  const FlightFlags& f = flags.flight;
+  Json settings = Json::object();
+  for (const auto& [name, value] : params_of(f.terrain.method_flags, method)) {
+    settings[name] = value;
+  }
+  return {{"width", f.size.width},
+          {"height", f.size.height},
+          {"tolerance_px", f.refine_options().tolerance_px},
+          {"scale", f.scale},
+          {"cache_bytes", f.terrain.cache.count},
+          {"gpu_memory_bytes", f.gpu_memory.count},
+          {"settings", settings}};
+}
+
+Json json_of(const BenchFlags& flags, const BenchRun& r) {
+  return {{"method", r.method},
+          {"options", options_json(flags, r.method)},
+          {"frames", r.frames},
+          {"mean_triangles", r.mean_triangles},
+          {"refine_ms", times_json(r.refine_ms)},
+          {"draw_ms", times_json(r.draw_ms)},
+          {"frame_ms", times_json(r.frame_ms)},
+          {"evaluated_vertices", r.evaluated_vertices},
+          {"visited_nodes", r.visited_nodes},
+          {"late_blocks", r.late_blocks},
+          {"bytes_read", r.bytes_read},
+          {"page_faults", r.page_faults},
+          {"bytes_uploaded", r.bytes_uploaded},
+          {"incoherence_percent", r.incoherence_percent},
+          {"cache_bytes_max", r.cache_bytes_max},
+          {"peak_rss_bytes", r.peak_rss_bytes},
+          {"achieved_error_px", r.achieved_error_px}};
+}
+
+void print_header() {
+  fmt::print("{:<12}{:>12}{:>20}{:>20}{:>12}{:>12}{:>12}{:>10}\n", "method", "triangles",
+             "refine p50/p99 ms", "frame p50/p99 ms", "read", "uploaded", "changed %", "error px");
+}
+
+void print_row(const BenchRun& r) {
+  fmt::print(
+      "{:<12}{:>12}{:>20}{:>20}{:>12}{:>12}{:>12.2f}{:>10.3f}\n", r.method,
+      grouped(static_cast<unsigned long long>(r.mean_triangles)),
+      fmt::format("{:.2f} / {:.2f}", quantile(r.refine_ms, 0.5), quantile(r.refine_ms, 0.99)),
+      fmt::format("{:.2f} / {:.2f}", quantile(r.frame_ms, 0.5), quantile(r.frame_ms, 0.99)),
+      bytes_text(static_cast<double>(r.bytes_read)),
+      bytes_text(static_cast<double>(r.bytes_uploaded)), r.incoherence_percent,
+      r.achieved_error_px);
+}
+
+void run(BenchFlags flags) {
+  const std::vector<std::string> methods = method_list(flags.methods);
+  const auto store = store_of(flags.flight.terrain, methods);
+  std::optional<render::HeadlessContext> context;
+  if (flags.drawing == Drawing::kDraw) {
+    context.emplace();
+  }
+  Json runs = Json::array();
+  if (!flags.json) {
+    print_header();
+  }
+  const std::string terrain = flags.flight.terrain.terrain.string();
+  flags.flight.terrain.terrain = store;
+  for (const std::string& method : methods) {
+    const BenchRun result = bench_method(flags.flight, method, flags.drawing);
+    runs.push_back(json_of(flags, result));
+    if (!flags.json) {
+      print_row(result);
+    }
+  }
+  if (flags.json) {
+    print_json({{"machine", machine_json(context ? context->renderer() : "")},
+                {"terrain", terrain},
+                {"path", flags.flight.path},
+                {"runs", runs}});
+  }
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app) {
+  auto flags = std::make_shared<BenchFlags>();
+  CLI::App* const verb = add_verb(app, "bench", "Fly one path with several methods and time them",
+                                  "arete bench alps.arete --methods full,geomipmap,smooth --json");
+  add_terrain(*verb, flags->flight.terrain);
+  verb->add_option("--methods", flags->methods, "all, or names separated by commas")
+      ->capture_default_str();
+  add_flight(*verb, flags->flight);
+  add_frames(*verb, flags->flight.frames);
+  add_gpu_memory(*verb, flags->flight.gpu_memory);
+  verb->add_flag_callback(
+      "--no-draw", [flags] { flags->drawing = Drawing::kSkip; }, "Time the refinement alone");
+  verb->add_flag("--json", flags->json, "Print JSON");
+  add_quiet(*verb, flags->flight.terrain.talk);
+  verb->callback([flags] { run(*flags); });
+}
+
+}  // namespace arete::app

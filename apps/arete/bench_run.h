@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "flags.h"
+
+namespace arete::app {
+
+enum class Drawing { kDraw, kSkip };
+
+/// Sums and samples of one method over one path.
+struct BenchRun {
+  std::string method;
+  int frames = 0;
+  double mean_triangles = 0;
+  std::vector<double> refine_ms, draw_ms, frame_ms;  ///< one a frame; draw_ms empty when skipped
+  std::uint64_t evaluated_vertices = 0, visited_nodes = 0, late_blocks = 0;
+  std::uint64_t bytes_read = 0, page_faults = 0, bytes_uploaded = 0;
+  double incoherence_percent = 0;
+  std::uint64_t cache_bytes_max = 0, peak_rss_bytes = 0;
+  double achieved_error_px = 0;
+};
+
+/// Flies the path with a freshly opened terrain. Requires: a current OpenGL context when drawing.
+BenchRun bench_method(const FlightFlags& flags, const std::string& method, Drawing drawing);
+
+}  // namespace arete::app

@@ -1,0 +1,78 @@
+#include "flags.h"
+
+#include <limits>
+
+namespace arete::app {
+
+lod::RefineOptions FlightFlags::refine_options() const {
+  lod::RefineOptions options;
+  options.tolerance_px = tolerance.pixels(size.height);
+  options.scale = error_scale(scale);
+  return options;
+}
+
+CLI::App* add_verb(CLI::App& app, const std::string& name, const std::string& summary,
+                   const std::string& example) {
+  CLI::App* const verb = app.add_subcommand(name, summary);
+  verb->footer("\nExample:\n  " + example);
+  return verb;
+}
+
+void add_terrain(CLI::App& verb, TerrainFlags& flags) {
+  verb.add_option("STORE", flags.terrain, "A .arete store, or a DEM file")->required();
+}
+
+void add_method(CLI::App& verb, std::string& method) {
+  verb.add_option("--method", method, "Level-of-detail method")->capture_default_str();
+}
+
+void add_settings(CLI::App& verb, MethodFlags& flags) {
+  verb.add_option("--patch", flags.patch, "Posts a side of a patch of the tile methods")
+      ->check(CLI::IsMember({"auto", "9", "17", "33", "65", "129"}));
+  verb.add_option("--set", flags.settings,
+                  "NAME=VALUE for the method, or METHOD.NAME=VALUE; may be repeated")
+      ->type_name("NAME=VALUE")
+      ->expected(1)
+      ->take_all();
+}
+
+void add_quiet(CLI::App& verb, Talk& talk) {
+  verb.add_flag_callback(
+      "--quiet", [&talk] { talk = Talk::kQuiet; }, "No notes, no progress");
+}
+
+void add_flight(CLI::App& verb, FlightFlags& flags) {
+  verb.add_option("--path", flags.path, "flyover, orbit, descent or a JSON file")
+      ->capture_default_str();
+  verb.add_option("--size", flags.size, "Pixels [1280x720]")->type_name("WxH");
+  verb.add_option("--tolerance", flags.tolerance,
+                  "Largest screen error in pixels, or in % of the height [1]")
+      ->type_name("PX|P%");
+  verb.add_option("--scale", flags.scale,
+                  "How metres become pixels: up (rigorous, camera without roll), rig (rigorous for "
+                  "any shift), ang (as an angle: the papers' notion, no bound in pixels)")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"up", "rig", "ang"}));
+  add_settings(verb, flags.terrain.method_flags);
+  add_cache(verb, flags.terrain.cache);
+}
+
+void add_frames(CLI::App& verb, int& frames) {
+  verb.add_option("--frames", frames, "Instants of the path, evenly spaced")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1'000'000));
+}
+
+void add_cache(CLI::App& verb, Bytes& cache) {
+  verb.add_option("--cache", cache, "Most bytes of terrain in memory [512M]")->type_name("BYTES");
+}
+
+void add_gpu_memory(CLI::App& verb, Bytes& gpu_memory) {
+  verb.add_option("--gpu-memory", gpu_memory, "Most bytes on the GPU [1G]")->type_name("BYTES");
+}
+
+double instant(const scene::Path& path, int i, int n) {
+  return n <= 1 ? 0 : path.duration() * i / (n - 1);
+}
+
+}  // namespace arete::app

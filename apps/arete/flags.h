@@ -1,0 +1,63 @@
+#pragma once
+
+#include <map>
+#include <ranges>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/ranges.h>
+
+#include "arete/lod/engine.h"
+#include "arete/scene/path.h"
+
+#include "open_store.h"
+#include "quantities.h"
+
+namespace arete::app {
+
+/// What render, verify, bench and view share.
+struct FlightFlags {
+  TerrainFlags terrain;
+  std::string path = "flyover";
+  int frames = 300;
+  FrameSize size;
+  Tolerance tolerance;
+  std::string scale = "up";
+  Bytes gpu_memory{std::size_t{1} << 30U};
+
+  lod::RefineOptions refine_options() const;
+};
+
+/// A new verb with its example at the end of --help.
+CLI::App* add_verb(CLI::App& app, const std::string& name, const std::string& summary,
+                   const std::string& example);
+
+/// A flag whose value is one of a few names.
+template <typename Value>
+CLI::Option* add_choice(CLI::App& verb, const std::string& name, Value& value,
+                        const std::map<std::string, Value>& choices, const std::string& help) {
+  const auto choose = [&value, choices, name](const std::string& word) {
+    const auto found = choices.find(word);
+    if (found == choices.end()) {
+      throw CLI::ValidationError(name, fmt::format("{} is not one of {}", word,
+                                                   fmt::join(std::views::keys(choices), ", ")));
+    }
+    value = found->second;
+  };
+  return verb.add_option_function<std::string>(name, choose, help);
+}
+
+void add_terrain(CLI::App& verb, TerrainFlags& flags);
+void add_method(CLI::App& verb, std::string& method);
+void add_settings(CLI::App& verb, MethodFlags& flags);
+void add_quiet(CLI::App& verb, Talk& talk);
+/// --path --size --tolerance --scale and the settings of methods.
+void add_flight(CLI::App& verb, FlightFlags& flags);
+void add_frames(CLI::App& verb, int& frames);
+void add_cache(CLI::App& verb, Bytes& cache);
+void add_gpu_memory(CLI::App& verb, Bytes& gpu_memory);
+
+/// The i-th of n instants of a path, in seconds: evenly from the start to the end.
+double instant(const scene::Path& path, int i, int n);
+
+}  // namespace arete::app

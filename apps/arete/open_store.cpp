@@ -1,0 +1,128 @@
+#include "open_store.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <functional>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "arete/core/error.h"
+
+#include "recipe.h"
+
+namespace arete::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uintmax_t kCacheLimit = std::uintmax_t{20'000'000'000};
+
+bool is_store(const fs::path& path) {
+  return fs::is_directory(path) || path.extension() == ".arete" || path.filename().empty();
+}
+
+std::uintmax_t bytes_under(const fs::path& directory) {
+  std::uintmax_t bytes = 0;
+  std::error_code ignored;
+  for (const auto& entry : fs::recursive_directory_iterator(directory, ignored)) {
+    if (entry.is_regular_file(ignored)) {
+      bytes += entry.file_size(ignored);
+    }
+  }
+  return bytes;
+}
+
+bool holds_methods(const fs::path& store, const std::vector<std::string>& methods) {
+  if (!fs::exists(store)) {
+    return false;
+  }
+  store::OpenOptions options;
+  options.prefetch = false;
+  const auto terrain = store::Terrain::open(store, options);
+  const std::vector<std::string>& held = terrain->manifest().methods;
+  return std::ranges::all_of(
+      methods, [&](const std::string& method) { return std::ranges::count(held, method) != 0; });
+}
+
+fs::path cached_store(const TerrainFlags& flags, const std::vector<std::string>& methods) {
+  Recipe recipe;
+  recipe.dems = {flags.terrain};
+  recipe.methods = methods;
+  recipe.method_flags = flags.method_flags;
+  // The hash only has to be the same for the same compiler: another one builds anew.
+  const std::size_t key =
+      std::hash<std::string>{}(source_key(recipe) + "|" + flags.method_flags.patch);
+  const fs::path directory = cache_directory();
+  fs::create_directories(directory);
+  const fs::path store =
+      directory / fmt::format("{}-{:016x}.arete", flags.terrain.stem().string(), key);
+  if (!holds_methods(store, methods)) {
+    build_store(recipe, store, Existing::kKeep, flags.talk);
+  }
+  std::error_code ignored;
+  fs::last_write_time(store, fs::file_time_type::clock::now(), ignored);
+  drop_oldest(directory, store, kCacheLimit);
+  return store;
+}
+
+}  // namespace
+
+fs::path cache_directory() {
+  if (const char* const cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache == '/') {
+    return fs::path(cache) / "arete";
+  }
+  if (const char* const home = std::getenv("HOME"); home != nullptr && *home != '\0') {
+    return fs::path(home) / ".cache" / "arete";
+  }
+  throw Error(ErrorCode::kNotFound,
+              "HOME: not set, so there is no cache directory: set XDG_CACHE_HOME or build a store");
+}
+
+void drop_oldest(const fs::path& directory, const fs::path& keep, std::uintmax_t limit) {
+  struct Entry {
+    fs::path path;
+    fs::file_time_type used;
+    std::uintmax_t bytes;
+  };
+  std::vector<Entry> entries;
+  std::uintmax_t total = 0;
+  for (const auto& entry : fs::directory_iterator(directory)) {
+    entries.push_back({entry.path(), entry.last_write_time(), bytes_under(entry.path())});
+    total += entries.back().bytes;
+  }
+  std::ranges::sort(entries, {}, &Entry::used);
+  for (const Entry& entry : entries) {
+    if (total <= limit) {
+      break;
+    }
+    if (entry.path != keep) {
+      std::error_code ignored;
+      fs::remove_all(entry.path, ignored);
+      total -= entry.bytes;
+    }
+  }
+}
+
+fs::path store_of(const TerrainFlags& flags, const std::vector<std::string>& methods) {
+  if (!fs::exists(flags.terrain)) {
+    throw Error(ErrorCode::kNotFound,
+                fmt::format("{}: no such file or directory: name a .arete store or a DEM",
+                            flags.terrain.string()));
+  }
+  return is_store(flags.terrain) ? flags.terrain : cached_store(flags, methods);
+}
+
+std::unique_ptr<store::Terrain> open_terrain(const TerrainFlags& flags,
+                                             const std::vector<std::string>& methods) {
+  store::OpenOptions options;
+  options.cache_bytes = flags.cache.count;
+  return store::Terrain::open(store_of(flags, methods), options);
+}
+
+std::unique_ptr<lod::Engine> open_method(const TerrainFlags& flags, const std::string& method,
+                                         const store::Terrain& terrain) {
+  return lod::find_engine(method).open(terrain, params_of(flags.method_flags, method));
+}
+
+}  // namespace arete::app

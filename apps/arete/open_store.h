@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "arete/store/terrain.h"
+
+#include "method_flags.h"
+#include "progress.h"
+#include "quantities.h"
+
+namespace arete::app {
+
+/// A terrain on the command line: a store, or a DEM to build one from.
+struct TerrainFlags {
+  std::filesystem::path terrain;
+  MethodFlags method_flags;
+  Bytes cache{std::size_t{512} << 20U};
+  Talk talk = Talk::kNormal;
+};
+
+/// The store itself. A DEM is built, for these methods, into $XDG_CACHE_HOME/arete or
+/// ~/.cache/arete under a name that is keyed by path, size, mtime and options; stores that were
+/// not used for longest go when the directory holds more than 20 GB.
+/// Throws: as build_store; kNotFound.
+std::filesystem::path store_of(const TerrainFlags& flags, const std::vector<std::string>& methods);
+
+/// Opens store_of(...) with the cache budget.
+std::unique_ptr<store::Terrain> open_terrain(const TerrainFlags& flags,
+                                             const std::vector<std::string>& methods);
+
+/// The method opened on the terrain with its settings.
+std::unique_ptr<lod::Engine> open_method(const TerrainFlags& flags, const std::string& method,
+                                         const store::Terrain& terrain);
+
+std::filesystem::path cache_directory();
+
+/// Removes the stores of `directory` that were not used for longest until those left hold at most
+/// `limit` bytes; `keep` stays.
+void drop_oldest(const std::filesystem::path& directory, const std::filesystem::path& keep,
+                 std::uintmax_t limit);
+
+}  // namespace arete::app

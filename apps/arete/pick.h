@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+
+#include <glm/glm.hpp>
+
+#include "arete/core/view.h"
+#include "arete/scene/path.h"
+
+namespace arete::app {
+
+/// The camera's axes in the world; unit, right-handed with forward = up x right.
+struct CameraAxes {
+  glm::dvec3 right, up, forward;
+};
+CameraAxes camera_axes(double yaw, double pitch);
+
+/// Unit direction from the eye through a cursor position: pixels, x right, y down from the upper
+/// left corner.
+glm::dvec3 cursor_ray(const View& view, glm::dvec2 cursor);
+
+/// Height of the ground in metres at a world position; the grid's edge goes on outside of it.
+double ground_height(const scene::Ground& ground, glm::dvec2 world);
+
+/// The first point of the ground that the ray from the eye meets, to about a thousandth of its
+/// distance; nothing when the ray passes above it. `direction` is unit.
+std::optional<glm::dvec3> ground_along(const scene::Ground& ground, glm::dvec3 eye,
+                                       glm::dvec3 direction);
+
+}  // namespace arete::app

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <string_view>
+
+namespace arete::app {
+
+enum class Talk { kNormal, kQuiet };
+
+/// A one-line progress bar on stderr; nothing unless stderr is a terminal and talk is normal.
+/// Redraws ten times a second at most, and leaves no line behind.
+class ProgressBar {
+ public:
+  explicit ProgressBar(Talk talk);
+  ~ProgressBar();
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+
+  void show(std::string_view step, double done);
+
+ private:
+  void clear();
+  bool terminal_;
+  bool shown_ = false;
+  std::string step_;
+  std::chrono::steady_clock::time_point last_{};
+};
+
+}  // namespace arete::app

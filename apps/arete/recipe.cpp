@@ -1,0 +1,112 @@
+#include "recipe.h"
+
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "arete/core/error.h"
+#include "arete/lod/engine.h"
+#include "arete/store/build.h"
+
+#include "interrupt.h"
+
+namespace arete::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string file_key(const fs::path& file) {
+  std::error_code error;
+  const auto size = fs::file_size(file, error);
+  if (error) {
+    throw Error(ErrorCode::kNotFound, fmt::format("{}: cannot be read: {}: check the name",
+                                                  file.string(), error.message()));
+  }
+  const auto changed = fs::last_write_time(file).time_since_epoch().count();
+  return fmt::format("{}|{}|{}\n", fs::absolute(file).lexically_normal().string(), size, changed);
+}
+
+std::string options_key(const raster::DemOptions& o) {
+  const auto [cols, rows] = o.raw_size.value_or(std::pair{0, 0});
+  return fmt::format("band={} encoding={} unit={} nodata={} z_scale={} source_crs={} crs={} {}x{}",
+                     o.band, static_cast<int>(o.encoding), static_cast<int>(o.unit),
+                     o.nodata ? fmt::format("{}", *o.nodata) : "file", o.z_scale, o.source_crs,
+                     o.crs, cols, rows);
+}
+
+BuildContext context_of(const Recipe& recipe, ProgressBar& bar) {
+  BuildContext context;
+  context.threads = recipe.threads;
+  context.memory_limit = recipe.memory_limit;
+  context.progress = [&bar](std::string_view step, double done) {
+    bar.show(step, done);
+    return !interrupted();
+  };
+  return context;
+}
+
+store::BuildOptions options_of(const Recipe& recipe, const fs::path& store, Existing existing,
+                               const BuildContext& context) {
+  store::BuildOptions options;
+  options.output = store;
+  options.force = existing == Existing::kReplace;
+  options.source_key = source_key(recipe);
+  options.methods = recipe.methods;
+  options.preprocess = [&recipe, &context](const store::Terrain& terrain, store::Writers& writers) {
+    for (const std::string& method : recipe.methods) {
+      lod::find_engine(method).preprocess(terrain, writers, context,
+                                          params_of(recipe.method_flags, method));
+    }
+  };
+  return options;
+}
+
+void run_build(const Recipe& recipe, const fs::path& store, Existing existing, Talk talk) {
+  const std::unique_ptr<HeightSource> source = raster::open_dem(recipe.dems, recipe.dem);
+  if (talk == Talk::kNormal) {
+    for (const std::string& note : source->georef().notes) {
+      fmt::print(stderr, "note: {}\n", note);
+    }
+  }
+  std::unique_ptr<RasterSource> drape;
+  if (!recipe.drape.empty()) {
+    drape = raster::open_drape(recipe.drape, source->cols(), source->rows(), source->georef());
+  }
+  ProgressBar bar(talk);
+  const BuildContext context = context_of(recipe, bar);
+  store::BuildOptions options = options_of(recipe, store, existing, context);
+  options.drape = drape.get();
+  store::build(*source, options, context);
+}
+
+}  // namespace
+
+std::string source_key(const Recipe& recipe) {
+  std::string key;
+  for (const fs::path& dem : recipe.dems) {
+    key += file_key(dem);
+  }
+  if (!recipe.drape.empty()) {
+    key += "drape " + file_key(recipe.drape);
+  }
+  return key + options_key(recipe.dem);
+}
+
+void build_store(const Recipe& recipe, const fs::path& store, Existing existing, Talk talk) {
+  try {
+    run_build(recipe, store, existing, talk);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kCancelled) {
+      throw;
+    }
+    throw Error(ErrorCode::kCancelled,
+                fmt::format("{}: interrupted: run the same command again to go on from here",
+                            store.string()));
+  }
+}
+
+}  // namespace arete::app

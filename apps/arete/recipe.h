@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "arete/core/parallel.h"
+#include "arete/raster/dem.h"
+
+#include "method_flags.h"
+#include "progress.h"
+
+namespace arete::app {
+
+/// All that decides a store's bytes, and how to make them.
+struct Recipe {
+  std::vector<std::filesystem::path> dems;
+  raster::DemOptions dem;
+  std::filesystem::path drape;  ///< an image, or empty
+  std::vector<std::string> methods;
+  MethodFlags method_flags;
+  std::size_t memory_limit = std::size_t{1} << 30U;  ///< bytes
+  int threads = default_threads();
+};
+
+enum class Existing { kKeep, kReplace };
+
+/// The recipe's inputs as text: absolute paths, sizes, mtimes and options. Two recipes with the
+/// same key make the same bytes but for their methods. Throws: kNotFound.
+std::string source_key(const Recipe& recipe);
+
+/// Builds or completes the store with a progress bar, printing notes on what was assumed to
+/// stderr unless quiet. Ctrl-C stops it; the next call goes on from there.
+/// Throws: as raster::open_dem and store::build.
+void build_store(const Recipe& recipe, const std::filesystem::path& store, Existing existing,
+                 Talk talk);
+
+}  // namespace arete::app

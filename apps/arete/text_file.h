@@ -1,0 +1,11 @@
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+namespace arete::app {
+
+/// Replaces the file as a whole. Throws: kIo; the old file, or none, is left then.
+void write_text(const std::filesystem::path& file, std::string_view text);
+
+}  // namespace arete::app

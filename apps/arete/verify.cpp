@@ -1,0 +1,152 @@
+#include "arete/proof/verify.h"
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "arete/core/error.h"
+#include "arete/core/heightfield.h"
+
+#include "flags.h"
+#include "ground.h"
+#include "interrupt.h"
+#include "json.h"
+#include "verbs.h"
+
+namespace arete::app {
+namespace {
+
+struct VerifyFlags {
+  FlightFlags flight;
+  std::string method;
+  std::filesystem::path dump;
+  bool json = false;
+};
+
+/// JSON knows no infinity: null stands for "not promised" and "without bound".
+Json finite(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json options_json(const VerifyFlags& flags) {
+  const FlightFlags& f = flags.flight;
+  Json settings = Json::object();
+  for (const auto& [name, value] : params_of(f.terrain.method_flags, flags.method)) {
+    settings[name] = value;
+  }
+  return {{"path", f.path},
+          {"width", f.size.width},
+          {"height", f.size.height},
+          {"scale", f.scale},
+          {"settings", settings}};
+}
+
+Json json_of(const VerifyFlags& flags, const proof::VerifyReport& r) {
+  return {{"method", flags.method},
+          {"options", options_json(flags)},
+          {"claims",
+           {{"conforming", r.claims.conforming},
+            {"error_px", finite(r.claims.error_px)},
+            {"pop_px", finite(r.claims.pop_px)}}},
+          {"holds", r.holds()},
+          {"frames", r.frames},
+          {"tolerance_px", r.tolerance_px},
+          {"max_error_px", finite(r.max_error_px)},
+          {"p999_error_px", finite(r.p999_error_px)},
+          {"max_error_angular_px", finite(r.max_error_angular_px)},
+          {"cracks", r.cracks},
+          {"t_junctions", r.t_junctions},
+          {"background_pixels", r.background_pixels},
+          {"max_pop_px", finite(r.max_pop_px)},
+          {"p999_pop_px", finite(r.p999_pop_px)},
+          {"max_pop_share", finite(r.max_pop_share)},
+          {"mean_triangles", r.mean_triangles},
+          {"max_triangles", r.max_triangles},
+          {"achieved_error_px", finite(r.achieved_error_px)},
+          {"seconds", r.seconds}};
+}
+
+std::string promise(double limit, const char* unit) {
+  return std::isfinite(limit) ? fmt::format("promised {:.4g} {}", limit, unit) : "not promised";
+}
+
+void print_table(const VerifyFlags& flags, const proof::VerifyReport& r) {
+  fmt::print("{} on {}: {} frames, tolerance {:.4g} px, {:.1f} s\n", flags.method,
+             flags.flight.terrain.terrain.string(), r.frames, r.tolerance_px, r.seconds);
+  fmt::print("  error       {:10.4f} px at most, {:.4f} for 99.9 % ({})\n", r.max_error_px,
+             r.p999_error_px, promise(r.claims.error_px, "px"));
+  fmt::print("  as an angle {:10.4f} px at most\n", r.max_error_angular_px);
+  fmt::print("  bound       {:10.4f} px by the method's own account\n", r.achieved_error_px);
+  fmt::print("  cracks      {:10}    T-junctions {} ({})\n", r.cracks, r.t_junctions,
+             r.claims.conforming ? "promised none" : "not promised");
+  fmt::print("  background  {:10} pixels seen through the surface\n", r.background_pixels);
+  fmt::print("  pops        {:10.4f} px at most, {:.4f} for 99.9 % ({}{})\n", r.max_pop_px,
+             r.p999_pop_px, promise(r.claims.pop_px, "px x relative motion"),
+             std::isfinite(r.claims.pop_px)
+                 ? fmt::format(", {:.0f} % of it at worst", 100 * r.max_pop_share)
+                 : "");
+  fmt::print("  triangles   {:>10} on average, {} at most\n",
+             grouped(static_cast<unsigned long long>(r.mean_triangles)), grouped(r.max_triangles));
+  fmt::print("  {}\n", r.holds() ? "every claim holds" : "A CLAIM IS BROKEN");
+}
+
+proof::VerifyReport measure(const VerifyFlags& flags) {
+  const auto terrain = open_terrain(flags.flight.terrain, {flags.method});
+  const auto engine = open_method(flags.flight.terrain, flags.method, *terrain);
+  const scene::Path path =
+      scene::make_path(flags.flight.path, ground_of(*terrain, store::Fetch::kWait));
+  const Heightfield dem(*terrain->height_source());
+  ProgressBar bar(flags.flight.terrain.talk);
+  proof::VerifyOptions options;
+  options.frames = flags.flight.frames;
+  options.width = flags.flight.size.width;
+  options.height = flags.flight.size.height;
+  options.threads = default_threads();
+  options.refine = flags.flight.refine_options();
+  if (!flags.dump.empty()) {
+    options.dump = flags.dump;
+  }
+  options.progress = [&](double done) {
+    stop_if_interrupted(flags.flight.terrain.terrain.string());
+    bar.show("verifying", done);
+  };
+  return proof::verify(*engine, dem, path, options);
+}
+
+void run(const VerifyFlags& flags) {
+  const proof::VerifyReport report = measure(flags);
+  if (flags.json) {
+    print_json(json_of(flags, report));
+  } else {
+    print_table(flags, report);
+  }
+  if (!report.holds()) {
+    std::fflush(stdout);
+    throw Error(ErrorCode::kInvalidInput,
+                fmt::format("{}: {} breaks a claim: see the report",
+                            flags.flight.terrain.terrain.string(), flags.method));
+  }
+}
+
+}  // namespace
+
+void add_verify(CLI::App& app) {
+  auto flags = std::make_shared<VerifyFlags>();
+  CLI::App* const verb = add_verb(app, "verify", "Measure every frame against the method's claims",
+                                  "arete verify alps.arete --method geomipmap --frames 60 --json");
+  add_terrain(*verb, flags->flight.terrain);
+  verb->add_option("--method", flags->method, "Level-of-detail method")->required();
+  add_flight(*verb, flags->flight);
+  add_frames(*verb, flags->flight.frames);
+  verb->add_option("--dump", flags->dump, "Each frame's surface as PLY and its camera as JSON")
+      ->type_name("DIR");
+  verb->add_flag("--json", flags->json, "Print JSON");
+  add_quiet(*verb, flags->flight.terrain.talk);
+  verb->callback([flags] { run(*flags); });
+}
+
+}  // namespace arete::app

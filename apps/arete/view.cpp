@@ -1,0 +1,30 @@
+#include <memory>
+
+#include "flags.h"
+#include "verbs.h"
+#include "viewer.h"
+
+namespace arete::app {
+
+void add_view(CLI::App& app) {
+  auto flags = std::make_shared<ViewFlags>();
+  flags->flight.path.clear();
+  CLI::App* const verb = add_verb(app, "view", "Fly over the terrain in a window",
+                                  "arete view alps.arete --method smooth --tolerance 2");
+  add_terrain(*verb, flags->flight.terrain);
+  add_method(*verb, flags->method);
+  add_flight(*verb, flags->flight);
+  add_gpu_memory(*verb, flags->flight.gpu_memory);
+  CLI::Option* const shot =
+      verb->add_option("--screenshot", flags->screenshot,
+                       "Fly the path in --frames frames, save the last picture, and quit")
+          ->type_name("PNG");
+  verb->add_option("--frames", flags->flight.frames, "Frames before the screenshot")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1'000'000))
+      ->needs(shot);
+  add_quiet(*verb, flags->flight.terrain.talk);
+  verb->callback([flags] { Viewer(*flags).run(); });
+}
+
+}  // namespace arete::app
