@@ -17,11 +17,11 @@ constexpr std::int64_t kSurveyPosts = 4 << 20;
 constexpr std::size_t kMaxBlockRowBytes = std::size_t{256} << 20U;
 
 // Whole block rows if they fit, near 256 rows at most; a block row alone may take more.
-int pick_chunk_rows(const DemFile::Parts& parts, std::size_t row_bytes) {
+int pick_chunk_rows(const DemFile::Parts& parts, int block_rows, std::size_t row_bytes) {
   const auto fitting = [&](std::size_t bytes) {
     return static_cast<int>(std::clamp<std::size_t>(bytes / row_bytes, 1, 1U << 24U));
   };
-  const int block = std::clamp(parts.samples->block_rows(), 1, parts.rows);
+  const int block = std::clamp(block_rows, 1, parts.rows);
   const int most = fitting(parts.buffer_bytes);
   if (block > most)
     return std::min(block, fitting(std::max(kMaxBlockRowBytes / 4, parts.buffer_bytes)));
@@ -37,7 +37,7 @@ std::size_t SampleFormat::sample_bytes() const {
 
 DemFile::DemFile(Parts parts) : parts_(std::move(parts)) {
   row_bytes_ = static_cast<std::size_t>(parts_.cols) * parts_.format.sample_bytes();
-  chunk_rows_ = pick_chunk_rows(parts_, row_bytes_);
+  chunk_rows_ = pick_chunk_rows(parts_, parts_.samples->block_rows(), row_bytes_);
   counted_.resize(static_cast<std::size_t>(parts_.rows));
   survey();
 }
@@ -60,6 +60,7 @@ std::string DemFile::description() const {
 void DemFile::release() {
   loaded_rows_ = 0;
   buffer_ = {};
+  parts_.samples.reset();
 }
 
 void DemFile::load_chunk_of(int source_row) {
@@ -67,6 +68,7 @@ void DemFile::load_chunk_of(int source_row) {
   const int first = source_row / chunk_rows_ * chunk_rows_;
   const int count = std::min(chunk_rows_, parts_.rows - first);
   loaded_rows_ = 0;
+  if (!parts_.samples) parts_.samples = parts_.reopen();
   buffer_.resize(row_bytes_ * static_cast<std::size_t>(chunk_rows_));
   try {
     parts_.samples->read(first, count, buffer_.data());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -30,6 +31,7 @@ class DemFile final : public HeightSource {
     SampleFormat format;
     Placement placement;
     std::unique_ptr<Samples> samples;
+    std::function<std::unique_ptr<Samples>()> reopen;   ///< gives them again after release()
     std::size_t buffer_bytes = std::size_t{64} << 20U;  ///< rows are read in chunks of about this
   };
   explicit DemFile(Parts parts);
@@ -40,8 +42,11 @@ class DemFile final : public HeightSource {
   void read_row(int r, std::span<float> row) override;
   HeightLattice lattice() const override;
   std::string description() const override;
-  /// Frees the buffer until the next read_row.
+  /// Closes the file and frees the buffer until the next read_row.
   void release();
+  bool holds_memory() const { return parts_.samples != nullptr; }
+  bool located() const { return parts_.placement.located; }
+  const std::string& name() const { return parts_.name; }
 
  private:
   void survey();

@@ -56,7 +56,8 @@ void set_options() {
   CPLSetConfigOption("CPL_VSIL_CURL_ALLOWED_EXTENSIONS", ".none");
   CPLSetConfigOption("CPL_DEBUG", "OFF");
   CPLSetConfigOption("GTIFF_POINT_GEO_IGNORE", "NO");
-  CPLSetConfigOption("GDAL_CACHEMAX", "128");
+  CPLSetConfigOption("GDAL_CACHEMAX", "128");   // MiB
+  CPLSetConfigOption("GDAL_NUM_THREADS", "2");  // GTiff's decoding and encoding
   OSRSetPROJEnableNetwork(0);
 }
 
@@ -108,10 +109,8 @@ void check_name(const fs::path& file) {
 
 Dataset open_with(const std::string& name, Purpose purpose, CSLConstList beside) {
   const CPLStringList drivers = driver_list(purpose);
-  CPLStringList options;
-  options.SetNameValue("NUM_THREADS", "2");
   return Dataset(GDALDataset::Open(name.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers.List(),
-                                   options.List(), beside));
+                                   nullptr, beside));
 }
 
 // Labels of the planetary drivers may name another file for the samples: only a twin in the same
@@ -173,6 +172,33 @@ std::string display_name(const fs::path& file) {
   return file.filename().string();
 }
 
+namespace {
+
+// GDAL names the whole path; messages keep to the file's own name.
+std::string without_folder(std::string text, const fs::path& path) {
+  const std::string folder = path.parent_path().native() + "/";
+  for (std::size_t at = text.find(folder); at != text.npos; at = text.find(folder, at)) {
+    text.erase(at, folder.size());
+  }
+  return text;
+}
+
+[[noreturn]] void throw_unreadable(const fs::path& path, const Messages& messages) {
+  const std::string name = display_name(path);
+  const std::string extension = path.extension().native();
+  if (extension == ".hdr" || extension == ".prj") {
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("{}: a side file: name the data file beside it", name));
+  }
+  throw Error(
+      ErrorCode::kUnsupported,
+      fmt::format("{}: not readable ({}): convert it to GeoTIFF, or fetch it again if it "
+                  "is one",
+                  name, without_folder(messages.text("no driver knows this format"), path)));
+}
+
+}  // namespace
+
 Dataset open_fenced(const fs::path& file, Purpose purpose, std::string* note) {
   raise_fence();
   check_name(file);
@@ -186,12 +212,7 @@ Dataset open_fenced(const fs::path& file, Purpose purpose, std::string* note) {
     beside.AddString(fs::path(name).filename().c_str());
   }
   Dataset dataset = open_with(name, purpose, beside.List());
-  if (!dataset) {
-    throw Error(ErrorCode::kUnsupported,
-                fmt::format("{}: not readable as an elevation model or picture ({}): convert it to "
-                            "GeoTIFF",
-                            display_name(file), messages.text("no driver knows this format")));
-  }
+  if (!dataset || path.extension() == ".prj") throw_unreadable(path, messages);
   check_references(*dataset, path);
   if (dataset->GetRasterCount() == 0) {
     const std::string variable = largest_variable(*dataset, name, note);

@@ -1,5 +1,6 @@
-#include <array>
+#include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -7,11 +8,15 @@
 #include "arete/core/error.h"
 #include "arete/raster/dem.h"
 #include "arete/raster/dem_file.h"
+#include "arete/raster/mosaic.h"
+#include "arete/raster/reproject.h"
 
 namespace arete::raster {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t kBufferBytes = std::size_t{64} << 20U;
 
 bool is_raw(const fs::path& file) {
   return file.extension() == ".r16" || file.extension() == ".r32";
@@ -62,6 +67,28 @@ SampleFormat colour_format(GDALDataset& dataset, const DemOptions& options,
   return format;
 }
 
+struct Shape {
+  int cols, rows;
+  GDALDataType type;
+};
+
+// The file may have been replaced since it was looked at: buffers are made for `shape`.
+std::unique_ptr<Samples> reopen_samples(const fs::path& file, const std::vector<int>& bands,
+                                        Shape shape) {
+  const std::string name = display_name(file);
+  Dataset dataset = open_fenced(file, Purpose::kDem, nullptr);
+  const bool same = dataset->GetRasterXSize() == shape.cols &&
+                    dataset->GetRasterYSize() == shape.rows &&
+                    dataset->GetRasterCount() >= bands.back() &&
+                    dataset->GetRasterBand(bands.front())->GetRasterDataType() == shape.type;
+  if (!same) {
+    throw Error(ErrorCode::kCorrupt,
+                fmt::format("{}: changed while it was read: start again", name));
+  }
+  check_shape(*dataset, std::max(shape.cols, shape.rows), name);
+  return gdal_samples(std::move(dataset), bands, name);
+}
+
 std::unique_ptr<DemFile> open_gdal(const fs::path& file, const DemOptions& options,
                                    std::size_t buffer_bytes) {
   const std::string name = display_name(file);
@@ -87,6 +114,10 @@ std::unique_ptr<DemFile> open_gdal(const fs::path& file, const DemOptions& optio
     bands = {pick_band(*dataset, options, name, notes)};
     parts.format.rule = value_rule(*dataset->GetRasterBand(bands.front()), options, notes);
   }
+  parts.reopen = [file, bands, cols = parts.cols, rows = parts.rows,
+                  type = parts.format.rule.type] {
+    return reopen_samples(file, bands, {cols, rows, type});
+  };
   parts.samples = gdal_samples(std::move(dataset), std::move(bands), name);
   return std::make_unique<DemFile>(std::move(parts));
 }
@@ -123,8 +154,24 @@ std::unique_ptr<DemFile> open_raw(const fs::path& file, const DemOptions& option
   parts.format.rule = plain_rule(integer ? GDT_UInt16 : GDT_Float32, options);
   parts.placement.georef = unit_georef();
   parts.placement.georef.notes.emplace_back("Raw samples say no spacing: 1 m was assumed.");
-  parts.samples = raw_samples(file, parts.cols, sample_bytes);
+  parts.placement.located = false;
+  parts.reopen = [file, cols = parts.cols, sample_bytes] {
+    return raw_samples(file, cols, sample_bytes);
+  };
+  parts.samples = parts.reopen();
   return std::make_unique<DemFile>(std::move(parts));
+}
+
+std::unique_ptr<HeightSource> open_posts(const std::vector<fs::path>& files,
+                                         const DemOptions& options) {
+  if (files.size() == 1) return open_dem_file(files.front(), options, kBufferBytes);
+  const std::size_t share = std::max(kBufferBytes / 32, 4 * kBufferBytes / files.size());
+  std::vector<std::unique_ptr<DemFile>> members;
+  for (const fs::path& file : files) {
+    members.push_back(open_dem_file(file, options, std::min(kBufferBytes, share)));
+    members.back()->release();
+  }
+  return make_mosaic(std::move(members), options.max_side);
 }
 
 }  // namespace
@@ -142,7 +189,9 @@ std::unique_ptr<HeightSource> open_dem(const std::vector<fs::path>& files,
     throw Error(ErrorCode::kUsage, "the vertical scale must be a number other than 0");
   }
   raise_fence();
-  return open_dem_file(files.front(), options, std::size_t{64} << 20U);
+  std::unique_ptr<HeightSource> source = open_posts(files, options);
+  if (options.crs.empty()) return source;
+  return reproject(std::move(source), options.crs, options.max_side);
 }
 
 }  // namespace arete::raster

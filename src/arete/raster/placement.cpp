@@ -134,7 +134,8 @@ bool names_degrees(GDALDataset& dataset) {
   return east && north;
 }
 
-// Grids without a CRS whose axes say degrees, or whose spacing would be below 1 cm as metres.
+// Grids without a CRS whose axes say degrees, that go round the globe, or whose spacing would be
+// below 1 cm as metres.
 bool looks_geographic(GDALDataset& dataset, const Affine2& a) {
   const int cols = dataset.GetRasterXSize();
   const int rows = dataset.GetRasterYSize();
@@ -143,7 +144,7 @@ bool looks_geographic(GDALDataset& dataset, const Affine2& a) {
   if (netcdf && names_degrees(dataset)) return true;
   const double dx = std::hypot(a.m[0], a.m[3]);
   const double dy = std::hypot(a.m[1], a.m[4]);
-  if (netcdf && std::abs(dx * cols - 360) <= dx) return true;
+  if (std::abs(dx * cols - 360) <= 1.5 * dx && dy * rows > 90) return true;
   return dx < 0.01 && dy < 0.01;
 }
 
@@ -185,6 +186,8 @@ OGRSpatialReference parse_crs(const std::string& text, const std::string& name) 
                 fmt::format("{}: '{}' names no coordinate reference system: write EPSG:N", name,
                             text.substr(0, 80)));
   }
+  // Heights are metres by the time anybody asks: only the horizontal part is wanted.
+  if (crs.IsCompound() != 0) crs.StripVertical();
   return crs;
 }
 
@@ -208,6 +211,7 @@ Placement place(GDALDataset& dataset, const std::string& source_crs, const std::
   const auto affine = file_affine(dataset);
   if (!affine) {
     georef = unit_georef();
+    placement.located = false;
     georef.notes.emplace_back("The file does not say where its posts lie: 1 m apart was assumed.");
     return placement;
   }
@@ -219,6 +223,7 @@ Placement place(GDALDataset& dataset, const std::string& source_crs, const std::
   } else if (own != nullptr && !own->IsEmpty()) {
     crs = *own;
     crs->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    if (crs->IsCompound() != 0) crs->StripVertical();
   } else if (looks_geographic(dataset, *affine)) {
     crs = parse_crs("EPSG:4326", name);
     georef.notes.emplace_back(

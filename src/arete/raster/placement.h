@@ -15,6 +15,7 @@ namespace arete::raster {
 struct Placement {
   Georef georef;
   bool flip_rows = false, flip_cols = false;
+  bool located = true;  ///< false: the file does not say where it lies
 };
 
 /// A CRS from "EPSG:N", WKT or PROJ text, x (longitude) first. No file and no network is asked.

@@ -56,7 +56,7 @@ class GdalSamples final : public Samples {
     const CPLErr result = dataset_->RasterIO(
         GF_Read, 0, first, cols, rows, out, cols, rows, type_, static_cast<int>(bands_.size()),
         bands_.data(), pixel, pixel * cols, GDALGetDataTypeSizeBytes(type_), nullptr);
-    why = messages.text("no reason given");
+    why = messages.text("its bytes are not those of a whole block");
     return result == CE_None && !messages.failed();
   }
 
