@@ -72,7 +72,7 @@ void add_gpu_memory(CLI::App& verb, Bytes& gpu_memory) {
 }
 
 double instant(const scene::Path& path, int i, int n) {
-  return n <= 1 ? 0 : path.duration() * i / (n - 1);
+  return path.duration() * i / n;
 }
 
 }  // namespace arete::app

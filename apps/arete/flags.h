@@ -57,7 +57,8 @@ void add_frames(CLI::App& verb, int& frames);
 void add_cache(CLI::App& verb, Bytes& cache);
 void add_gpu_memory(CLI::App& verb, Bytes& gpu_memory);
 
-/// The i-th of n instants of a path, in seconds: evenly from the start to the end.
+/// The i-th of n instants of a path, in seconds: the path's n equal parts begin at them, as in
+/// proof::verify.
 double instant(const scene::Path& path, int i, int n);
 
 }  // namespace arete::app
