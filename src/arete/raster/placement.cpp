@@ -32,13 +32,6 @@ bool usable(const Affine2& a) {
   return finite && std::isnormal(a.determinant());
 }
 
-std::optional<Affine2> file_affine(GDALDataset& dataset) {
-  std::array<double, 6> gt{};
-  if (dataset.GetGeoTransform(gt.data()) != CE_None) return std::nullopt;
-  const Affine2 affine = post_centres(gt);
-  return usable(affine) ? std::optional(affine) : std::nullopt;
-}
-
 void flip_rows(Affine2& a, int rows) {
   a.m[2] += a.m[1] * (rows - 1);
   a.m[5] += a.m[4] * (rows - 1);
@@ -105,6 +98,12 @@ std::string short_name(const OGRSpatialReference& crs) {
   const char* authority = crs.GetAuthorityName(nullptr);
   const char* code = crs.GetAuthorityCode(nullptr);
   const std::string text = name != nullptr ? name : "unnamed";
+  if (text == "unknown" || text == "unnamed") {
+    const char* projection = crs.GetAttrValue("PROJECTION");
+    return fmt::format("{} on a body of radius {:.0f} m",
+                       projection != nullptr ? projection : "longitude and latitude",
+                       radius_m(crs));
+  }
   if (authority == nullptr || code == nullptr) return text;
   return fmt::format("{} ({}:{})", text, authority, code);
 }
@@ -169,6 +168,13 @@ void mend_float_axes(Affine2& a, int cols, int rows) {
 
 }  // namespace
 
+std::optional<Affine2> pixel_centres(GDALDataset& dataset) {
+  std::array<double, 6> gt{};
+  if (dataset.GetGeoTransform(gt.data()) != CE_None) return std::nullopt;
+  const Affine2 affine = post_centres(gt);
+  return usable(affine) ? std::optional(affine) : std::nullopt;
+}
+
 Georef unit_georef() {
   Georef georef;
   georef.world_from_post = georef.crs_from_post = Affine2{};
@@ -208,7 +214,7 @@ Placement place(GDALDataset& dataset, const std::string& source_crs, const std::
   const int rows = dataset.GetRasterYSize();
   Placement placement;
   Georef& georef = placement.georef;
-  const auto affine = file_affine(dataset);
+  const auto affine = pixel_centres(dataset);
   if (!affine) {
     georef = unit_georef();
     placement.located = false;

@@ -26,6 +26,10 @@ OGRSpatialReference parse_crs(const std::string& text, const std::string& name);
 /// impossible geotransform gives posts 1 m apart and a note.
 Placement place(GDALDataset& dataset, const std::string& source_crs, const std::string& name);
 
+/// The file's own affine, (0,0) the centre of its first pixel; nothing when it has none that could
+/// be one.
+std::optional<Affine2> pixel_centres(GDALDataset& dataset);
+
 /// Fills world_from_post, crs and crs_name for a grid whose crs_from_post is set; nullptr = no CRS,
 /// units are metres.
 void fill_world(Georef& georef, int cols, int rows, const OGRSpatialReference* crs);
