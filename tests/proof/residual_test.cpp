@@ -199,9 +199,9 @@ TEST(Pops, PromiseFollowsTheRelativeMotion) {
   const View b = make_view({.eye = {0, 3, 14}}, 100, 100);
   EXPECT_DOUBLE_EQ(relative_motion(a, b, ErrorScale::kUpright, 50), 0.1);
   EXPECT_EQ(relative_motion(a, a, ErrorScale::kUpright, 0), 0);
-  EXPECT_EQ(pop_share(0, 0), 0);
-  EXPECT_EQ(pop_share(3, std::numeric_limits<double>::infinity()), 0);
-  EXPECT_TRUE(std::isinf(pop_share(1e-9, 0)));
+  EXPECT_EQ(pop_share(0, 6, 0), 0);
+  EXPECT_EQ(pop_share(3, std::numeric_limits<double>::infinity(), 0), 0);
+  EXPECT_TRUE(std::isinf(pop_share(1e-9, 6, 0)));
 }
 
 }  // namespace

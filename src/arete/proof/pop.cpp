@@ -76,9 +76,9 @@ double relative_motion(const View& before, const View& after, ErrorScale scale, 
   return (moved == 0 ? 0 : moved / nearest_m) + zoomed;
 }
 
-double pop_share(double pop_px, double promise_px) {
-  if (pop_px == 0 || std::isinf(promise_px)) return 0;
-  return pop_px / promise_px;
+double pop_share(double pop_px, double claim_px, double motion) {
+  if (pop_px == 0 || std::isinf(claim_px) || std::isinf(motion)) return 0;
+  return pop_px / (claim_px * motion);
 }
 
 }  // namespace arete::proof

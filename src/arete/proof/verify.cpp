@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <utility>
 
 #include "arete/mesh/surface.h"
+#include "arete/proof/dump.h"
 #include "arete/proof/pop.h"
 #include "arete/proof/reference.h"
 #include "arete/proof/residual.h"
@@ -19,6 +21,12 @@ class Flight {
  public:
   Flight(lod::Engine& engine, const Heightfield& dem, const VerifyOptions& options)
       : engine_(engine), dem_(dem), options_(options), reference_(dem, options.threads) {
+    if (!draw_depth_) {
+      gl_ = std::make_unique<GlPicture>(dem);
+      draw_depth_ = [this](const View& v, const DrawList& list, const BlockSource& blocks) {
+        return gl_->depth(v, list, blocks);
+      };
+    }
     report_.claims = engine.claims(options.refine);
     report_.tolerance_px = options.refine.tolerance_px;
     whole_ = options.refine;
@@ -29,7 +37,11 @@ class Flight {
     const View view = make_view(pose, options_.width, options_.height);
     const View later = make_view(next, options_.width, options_.height);
     draw(view, options_.refine, before_);
+    if (options_.dump) dump_frame(*options_.dump, report_.frames, before_, view);
     check(before_, &view);
+    report_.background_pixels +=
+        background_pixels(draw_depth_(view, list_, engine_), before_, reference_.world_from_post(),
+                          view, options_.threads);
     residuals_.merge(measure_residuals(before_, reference_, view, options_.threads));
     const double nearest = nearest_m(view);
     if (report_.frames % kWholeEvery == 0) {
@@ -74,9 +86,9 @@ class Flight {
     const PixelHistogram pops = measure_pops(pair, reference_, options_.threads);
     const double motion =
         relative_motion(pair.view_before, pair.view_after, options_.refine.scale, nearest);
-    const double promise = report_.claims.pop_px * motion;
-    const double share = pop_share(std::max(0.0, pops.max_px() - kRoundingPx), promise);
-    report_.max_pop_share = std::max(report_.max_pop_share, share);
+    report_.max_pop_share = std::max(
+        report_.max_pop_share,
+        pop_share(std::max(0.0, pops.max_px() - kRoundingPx), report_.claims.pop_px, motion));
     pops_.merge(pops);
   }
 
@@ -89,6 +101,8 @@ class Flight {
   const Heightfield& dem_;
   const VerifyOptions& options_;
   Reference reference_;
+  DrawDepth draw_depth_ = options_.draw_depth;
+  std::unique_ptr<GlPicture> gl_;
   lod::RefineOptions whole_;
   DrawList list_;
   mesh::Surface before_, after_;

@@ -7,6 +7,7 @@
 
 #include "arete/core/heightfield.h"
 #include "arete/lod/engine.h"
+#include "arete/proof/leaks.h"
 #include "arete/scene/path.h"
 
 namespace arete::proof {
@@ -22,6 +23,7 @@ struct VerifyOptions {
   int threads = 2;
   lod::RefineOptions refine;
   std::optional<std::filesystem::path> dump;  ///< each frame as binary PLY + camera JSON
+  DrawDepth draw_depth;                       ///< draws the pictures; empty = GlPicture
   std::function<void(double done)> progress;
 };
 
@@ -42,7 +44,10 @@ struct VerifyReport {
   bool holds() const;  ///< every claim is kept
 };
 
-/// Flies the path and measures every frame from the DrawList and `dem` alone.
+/// Flies the path and measures every frame from the DrawList and `dem` alone. Every tenth frame
+/// is also checked as a whole, without culling.
+/// Throws: kUnsupported when `draw_depth` is empty and there is no OpenGL to draw the pictures
+/// with; kLimit when a frame does not fit the GPU memory; kIo from dumping.
 VerifyReport verify(lod::Engine& engine, const Heightfield& dem, const scene::Path& path,
                     const VerifyOptions& options);
 

@@ -1,0 +1,42 @@
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "arete/core/error.h"
+#include "arete/proof/leaks.h"
+#include "arete/render/headless.h"
+#include "arete/render/renderer.h"
+
+namespace arete::proof {
+struct GlPicture::Impl {
+  explicit Impl(const Heightfield& dem)
+      : renderer({.world_from_post = dem.georef().world_from_post,
+                  .cols = dem.cols(),
+                  .rows = dem.rows()}) {}
+
+  render::HeadlessContext context;  // made before and dropped after what lives in it
+  render::Renderer renderer;
+  std::optional<render::Frame> frame;
+};
+
+GlPicture::GlPicture(const Heightfield& dem) : impl_(std::make_unique<Impl>(dem)) {}
+GlPicture::~GlPicture() = default;
+
+std::vector<float> GlPicture::depth(const View& view, const DrawList& list,
+                                    const BlockSource& blocks) {
+  std::optional<render::Frame>& frame = impl_->frame;
+  if (!frame || frame->width() != view.viewport_width || frame->height() != view.viewport_height) {
+    frame.emplace(view.viewport_width, view.viewport_height);
+  }
+  impl_->renderer.draw(view, list, blocks, {.shading = render::Shading::kKey, .mask = false},
+                       *frame);
+  if (const std::uint64_t dropped = impl_->renderer.stats().dropped_batches; dropped > 0) {
+    throw Error(ErrorCode::kLimit,
+                fmt::format("verify: {} batches of a frame do not fit the GPU memory: ask for a "
+                            "coarser tolerance",
+                            dropped));
+  }
+  return frame->read_depth();
+}
+
+}  // namespace arete::proof
