@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -47,6 +48,29 @@ class DrawState {
   }
   DrawState(const DrawState&) = delete;
   DrawState& operator=(const DrawState&) = delete;
+};
+
+// Vertices only. GL wants a complete framebuffer even when nothing is rasterised.
+class CaptureState {
+ public:
+  explicit CaptureState(const GlProgram& program) {
+    glNamedFramebufferParameteri(framebuffer_.get(), GL_FRAMEBUFFER_DEFAULT_WIDTH, 1);
+    glNamedFramebufferParameteri(framebuffer_.get(), GL_FRAMEBUFFER_DEFAULT_HEIGHT, 1);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.get());
+    glEnable(GL_RASTERIZER_DISCARD);
+    glUseProgram(program.get());
+  }
+  ~CaptureState() {
+    glDisable(GL_RASTERIZER_DISCARD);
+    glBindVertexArray(0);
+    glUseProgram(0);
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  }
+  CaptureState(const CaptureState&) = delete;
+  CaptureState& operator=(const CaptureState&) = delete;
+
+ private:
+  GlFramebuffer framebuffer_ = make_framebuffer();
 };
 
 GlVertexArray make_vertex_format() {
@@ -178,6 +202,21 @@ struct Renderer::Impl {
     glDrawArrays(GL_TRIANGLES, 0, 3);
   }
 
+  // Runs the vertex stage over the block of the one batch placed.
+  void capture(std::span<float> drawn) {
+    const GlBuffer captured = make_buffer();
+    const auto bytes = static_cast<GLsizeiptr>(drawn.size_bytes());
+    glNamedBufferStorage(captured.get(), bytes, nullptr, 0);
+    bind_vertices();
+    batches.bind_factors(arena);
+    glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, captured.get());
+    glBeginTransformFeedback(GL_POINTS);
+    glDrawArrays(GL_POINTS, batches.first_vertex(), static_cast<GLsizei>(drawn.size() / 3));
+    glEndTransformFeedback();
+    glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0);
+    glGetNamedBufferSubData(captured.get(), 0, bytes, drawn.data());
+  }
+
   void count() {
     stats.triangles = batches.triangles();
     stats.draws = batches.count();
@@ -233,34 +272,21 @@ std::vector<float> Renderer::vertex_stage(const View& view, const DrawList& list
   Impl& r = *impl_;
   r.set_camera(view);
   r.send_frame();
+  const CaptureState state(r.programs.vertex_stage);
   std::vector<float> drawn;
-  GlBuffer captured = make_buffer();
-  glEnable(GL_RASTERIZER_DISCARD);
-  glUseProgram(r.programs.vertex_stage.get());
   DrawList one;
   one.vertices = list.vertices;
-  one.indices = list.indices;
+  one.uploads = list.uploads;
   for (const DrawBatch& batch : list.batches) {
     const std::size_t n =
         batch.vertices == kOwnBlock ? list.vertices.size() : blocks.vertices(batch.vertices).size();
     const std::size_t first = drawn.size();
     drawn.resize(first + 3 * n, std::numeric_limits<float>::quiet_NaN());
     one.batches.assign(1, batch);
+    one.batches.front().indices = kOwnBlock;  // points need none
     r.batches.place(one, blocks, Morph::kOn, r.arena);
-    if (r.batches.dropped() > 0 || n == 0) continue;
-    r.bind_vertices();
-    r.batches.bind_factors(r.arena);
-    const auto bytes = static_cast<GLsizeiptr>(3 * n * sizeof(float));
-    glNamedBufferData(captured.get(), bytes, nullptr, GL_STREAM_READ);
-    glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, captured.get());
-    glBeginTransformFeedback(GL_POINTS);
-    glDrawArraysInstancedBaseInstance(GL_POINTS, r.batches.first_vertex(), static_cast<GLsizei>(n),
-                                      1, 0);
-    glEndTransformFeedback();
-    glGetNamedBufferSubData(captured.get(), 0, bytes, drawn.data() + first);
+    if (r.batches.count() > 0 && n > 0) r.capture(std::span(drawn).subspan(first));
   }
-  glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0);
-  glDisable(GL_RASTERIZER_DISCARD);
   return drawn;
 }
 

@@ -1,0 +1,128 @@
+#include <algorithm>
+
+#include "arete/core/error.h"
+
+#include "render/gl_test.h"
+#include "render/toy_land.h"
+
+namespace arete::render {
+namespace {
+
+constexpr std::size_t kTiny = std::size_t{256} << 10U;
+
+class GpuMemory : public GlTest {};
+
+Land land_of(const ToyLand& toy) {
+  Land land;
+  land.world_from_post.m = {10, 0, 0, 0, -10, 0};
+  land.cols = land.rows = toy.posts();
+  land.z_min = -100;
+  land.z_max = 400;
+  return land;
+}
+
+View view_of(const ToyLand& toy) {
+  const double side = (toy.posts() - 1) * 10.0;
+  Pose pose;
+  pose.eye = {side / 2, -side * 1.1, side / 2};
+  pose.pitch = -0.7;
+  return make_view(pose, 96, 96);
+}
+
+TEST_F(GpuMemory, BlocksAreUploadedOnce) {
+  const ToyLand toy(4, 1, 20);
+  Renderer renderer(land_of(toy));
+  const DrawList list = toy.whole(1);
+  shoot(renderer, view_of(toy), list, toy, Style{});
+  const std::uint64_t first = renderer.stats().bytes_uploaded;
+  EXPECT_GE(first, 16U * 17 * 17 * sizeof(Vertex));
+  shoot(renderer, view_of(toy), list, toy, Style{});
+  EXPECT_LT(renderer.stats().bytes_uploaded, 16U * 128);  // factors and commands only
+}
+
+TEST_F(GpuMemory, EvictionKeepsThePictureAndTheCap) {
+  const ToyLand toy(6, 2, 20);  // 36 blocks of 9.2 kB: more than the tiny memory holds
+  Renderer ample(land_of(toy));
+  Renderer tiny(land_of(toy), kTiny);
+  const View view = view_of(toy);
+  for (int frame = 0; frame < 24; ++frame) {
+    std::vector<int> tiles;
+    for (int i = 0; i < 20; ++i) tiles.push_back((frame * 7 + i) % toy.tiles());
+    const DrawList list = toy.list(tiles, static_cast<std::uint64_t>(frame));
+    const Picture expected = shoot(ample, view, list, toy, Style{});
+    ASSERT_EQ(different_pixels(expected, shoot(tiny, view, list, toy, Style{})), 0) << frame;
+    ASSERT_LE(tiny.stats().gpu_bytes, kTiny);
+    ASSERT_EQ(tiny.stats().dropped_batches, 0U);
+  }
+}
+
+TEST_F(GpuMemory, WhatDoesNotFitIsCounted) {
+  const ToyLand toy(8, 2, 20);
+  Renderer tiny(land_of(toy), kTiny);
+  Frame frame(64, 64);
+  tiny.draw(view_of(toy), toy.whole(1), toy, Style{}, frame);
+  EXPECT_GT(tiny.stats().dropped_batches, 0U);
+  EXPECT_GT(tiny.stats().draws, 10U);
+  EXPECT_EQ(tiny.stats().draws + tiny.stats().dropped_batches, 64U);
+  EXPECT_LE(tiny.stats().gpu_bytes, kTiny);
+}
+
+TEST_F(GpuMemory, TooLittleIsRefused) {
+  const ToyLand toy(1, 2, 20);
+  try {
+    const Renderer renderer(land_of(toy), 1000);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::kLimit);
+  }
+}
+
+TEST_F(GpuMemory, TheArenaGrowsWithoutLosingBlocks) {
+  const ToyLand toy(64, 3, 20);  // 38 MB: beyond the arena's first size
+  const Land land = land_of(toy);
+  Renderer renderer(land);
+  const View view = view_of(toy);
+  const DrawList some = toy.list({4000, 4001, 4002}, 1);
+  const Picture before = shoot(renderer, view, some, toy, Style{});
+  shoot(renderer, view, toy.whole(2), toy, Style{});
+  EXPECT_EQ(renderer.stats().dropped_batches, 0U);
+  EXPECT_EQ(different_pixels(before, shoot(renderer, view, some, toy, Style{})), 0);
+  EXPECT_LT(renderer.stats().bytes_uploaded, 1000U);
+}
+
+TEST_F(GpuMemory, AppendedVerticesArrive) {
+  ToyLand toy(2, 4, 20);
+  std::vector<Vertex>& block = toy.block(0);
+  const std::vector<Vertex> all = toy.block(3);
+  block.assign(all.begin(), all.begin() + 34);  // two rows
+  DrawList list = toy.list({0}, 1);
+  Renderer renderer(land_of(toy));
+  const View view = view_of(toy);
+  list.batches[0].index_count = 6 * ToyLand::kTileCells;
+  list.uploads = {{1, 0, 34}};
+  shoot(renderer, view, list, toy, Style{});
+  for (std::uint32_t rows = 3; rows <= 17; ++rows) {
+    const auto held = static_cast<std::uint32_t>(block.size());
+    block.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(rows * 17));
+    list.batches[0].index_count = 6 * ToyLand::kTileCells * (rows - 1);
+    list.uploads = {{1, held, rows * 17 - held}};
+    Renderer fresh(land_of(toy));
+    const Picture expected = shoot(fresh, view, list, toy, Style{});
+    ASSERT_EQ(different_pixels(expected, shoot(renderer, view, list, toy, Style{})), 0) << rows;
+  }
+}
+
+TEST_F(GpuMemory, ForgottenBlocksAreReadAgain) {
+  ToyLand toy(2, 4, 20);
+  Renderer renderer(land_of(toy));
+  const View view = view_of(toy);
+  const DrawList list = toy.whole(1);
+  const Picture before = shoot(renderer, view, list, toy, Style{});
+  for (Vertex& v : toy.block(1)) v.z += 60;
+  EXPECT_EQ(different_pixels(before, shoot(renderer, view, list, toy, Style{})), 0);
+  renderer.forget(toy);
+  EXPECT_GT(different_pixels(before, shoot(renderer, view, list, toy, Style{})), 50);
+}
+
+}  // namespace
+}  // namespace arete::render
