@@ -22,8 +22,9 @@ namespace fs = std::filesystem;
 
 constexpr int kMaxMembers = 1000;
 constexpr std::int64_t kMaxMemberBytes = std::int64_t{16} << 30;
-constexpr std::array kRasterExtensions = {".tif", ".tiff", ".hgt", ".dt0", ".dt1", ".dt2", ".dem",
-                                          ".asc", ".flt",  ".bil", ".img", ".png", ".nc",  ".cdf",
+// Not netCDF, whose samples HDF5 may take from other files (hdf5_check.h).
+constexpr std::array kRasterExtensions = {".tif", ".tiff", ".hgt", ".dt0", ".dt1", ".dt2",
+                                          ".dem", ".asc",  ".flt", ".bil", ".img", ".png",
                                           ".grd", ".gtx",  ".ter", ".jpg", ".jpeg"};
 
 std::string lower_extension(const fs::path& file) {

@@ -13,6 +13,7 @@
 
 #include "arete/core/error.h"
 #include "arete/raster/container.h"
+#include "arete/raster/hdf5_check.h"
 
 namespace arete::raster {
 namespace {
@@ -211,6 +212,7 @@ Dataset open_fenced(const fs::path& file, Purpose purpose, std::string* note) {
     beside = CPLStringList();
     beside.AddString(fs::path(name).filename().c_str());
   }
+  refuse_external_storage(path);
   Dataset dataset = open_with(name, purpose, beside.List());
   if (!dataset || path.extension() == ".prj") throw_unreadable(path, messages);
   check_references(*dataset, path);
