@@ -123,6 +123,7 @@ class Terrain {
   std::uint64_t check_all(const std::function<void(double done)>& progress = {}) const;
 
  private:
+  friend class StoreBuilder;  // adds segments while a store is being built
   Terrain();
   struct Impl;
   std::unique_ptr<Impl> impl_;

@@ -1,0 +1,124 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+#include "arete/core/normal_code.h"
+#include "arete/store/height_window.h"
+#include "arete/store/recipes.h"
+
+namespace arete::store {
+namespace {
+
+constexpr std::uint8_t kFlatCode = 128;
+
+// Normal direction (x, y) = m (dz/dcol, dz/drow), where the differences are twice the central ones
+// in counts: the gradient in the world is the inverse transpose of world_from_post.
+struct SlopeMap {
+  float xc = 0, xr = 0, yc = 0, yr = 0;
+};
+
+SlopeMap slope_map(const Affine2& a, double quantum_m) {
+  const double scale = -0.5 * quantum_m / a.determinant();
+  return {static_cast<float>(scale * a.m[4]), static_cast<float>(-scale * a.m[3]),
+          static_cast<float>(-scale * a.m[1]), static_cast<float>(scale * a.m[0])};
+}
+
+// 127.5 + 127.5 sign(v) sqrt(|v|), rounded: encode_normal in float, for v in [-1, 1].
+std::uint8_t code_of(float v) {
+  const float root = std::sqrt(std::abs(v));
+  return static_cast<std::uint8_t>(
+      static_cast<std::int32_t>((v < 0 ? 127.5F - 127.5F * root : 127.5F + 127.5F * root) + 0.5F));
+}
+
+void encode_direction(float x, float y, float z, std::uint8_t* to) {
+  const float scale = 1 / std::sqrt(x * x + y * y + z * z);
+  to[0] = code_of(x * scale);
+  to[1] = code_of(y * scale);
+}
+
+std::int32_t wrapping_difference(std::int32_t a, std::int32_t b) {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b));
+}
+
+// Twice the central difference; one-sided where a neighbour is absent, 0 where both are.
+float double_difference(std::int32_t before, std::int32_t here, std::int32_t after) {
+  const float forward = static_cast<float>(wrapping_difference(after, here));
+  const float backward = static_cast<float>(wrapping_difference(here, before));
+  const float from_after = after != kAbsent ? forward : 0;
+  const float from_before = before != kAbsent ? backward : 0;
+  return (after != kAbsent ? forward : from_before) + (before != kAbsent ? backward : from_after);
+}
+
+struct RowTriple {
+  const std::int32_t *north, *here, *south;
+};
+
+void encode_row(const RowTriple& rows, int count, const SlopeMap& m, std::uint8_t* to) {
+  for (int c = 0; c < count; ++c) {
+    const std::int32_t here = rows.here[c];
+    const float dc = double_difference(rows.here[c - 1], here, rows.here[c + 1]);
+    const float dr = double_difference(rows.north[c], here, rows.south[c]);
+    const float x = m.xc * dc + m.xr * dr;
+    const float y = m.yc * dc + m.yr * dr;
+    const float scale = 1 / std::sqrt(x * x + y * y + 1);
+    to[2 * c] = here == kAbsent ? kFlatCode : code_of(x * scale);
+    to[2 * c + 1] = here == kAbsent ? kFlatCode : code_of(y * scale);
+  }
+}
+
+struct DecodedNormals {
+  std::array<float, 256> component{};
+  DecodedNormals() {
+    for (int code = 0; code < 256; ++code) {
+      const float root = (static_cast<float>(code) - 127.5F) / 127.5F;
+      component[static_cast<std::size_t>(code)] = root * std::abs(root);
+    }
+  }
+};
+
+void mean_normal(const std::array<const std::uint8_t*, 4>& from, std::uint8_t* to) {
+  static const DecodedNormals decoded;
+  float x = 0;
+  float y = 0;
+  float z = 0;
+  for (const std::uint8_t* code : from) {
+    const float nx = decoded.component[code[0]];
+    const float ny = decoded.component[code[1]];
+    x += nx;
+    y += ny;
+    z += std::sqrt(std::max(1e-6F, 1 - nx * nx - ny * ny));
+  }
+  encode_direction(x, y, z, to);
+}
+
+}  // namespace
+
+RasterRecipe normals_recipe(const PyramidShape& shape, const Affine2& world_from_post,
+                            double quantum_m, const TileReader& read) {
+  RasterRecipe recipe;
+  recipe.step = "normals";
+  recipe.shape = pyramid_over(shape.cols, shape.rows);
+  recipe.shape.channels = 2;
+  recipe.shape.fill = kFlatCode;
+  recipe.bytes_each = HeightWindow::bytes(shape.cols, kTexelTile + 2);
+  const SlopeMap map = slope_map(world_from_post, quantum_m);
+  recipe.make_row = [shape, map, &read](int y, const auto& keep) {
+    thread_local HeightWindow window;
+    window.load(shape, y * kTexelTile - 1, kTexelTile + 2, read);
+    Texels texels{kTexelTile, 2, std::vector<std::uint8_t>(2 * kTexelTile * kTexelTile)};
+    const int rows = std::min(kTexelTile, shape.rows - y * kTexelTile);
+    for (int x = 0; x * kTexelTile < shape.cols; ++x) {
+      const int col0 = x * kTexelTile;
+      for (int r = 0; r < rows; ++r)
+        encode_row({window.row(r) + col0, window.row(r + 1) + col0, window.row(r + 2) + col0},
+                   std::min(kTexelTile, shape.cols - col0), map,
+                   &texels.bytes[static_cast<std::size_t>(2 * kTexelTile * r)]);
+      keep(x, texels);
+    }
+  };
+  recipe.mean = mean_normal;
+  return recipe;
+}
+
+}  // namespace arete::store

@@ -1,0 +1,142 @@
+#include "arete/store/store_builder.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "arete/core/error.h"
+#include "arete/store/manifest.h"
+#include "arete/store/output_file.h"
+#include "arete/store/raster_pyramid.h"
+#include "arete/store/segment_writer.h"
+#include "arete/store/terrain_impl.h"
+#include "arete/store/work.h"
+
+namespace arete::store {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<BlockEntry> all_entries(const std::vector<UnitRef>& units) {
+  std::vector<BlockEntry> entries;
+  for (const UnitRef& ref : units) {
+    const auto unit = ref.open();
+    entries.insert(entries.end(), unit->entries().begin(), unit->entries().end());
+  }
+  assert(std::ranges::is_sorted(entries, {}, &BlockEntry::key));
+  return entries;
+}
+
+}  // namespace
+
+StoreBuilder::StoreBuilder(fs::path units, fs::path store, const BuildContext& context)
+    : units_(std::move(units)), store_(std::move(store)), context_(context) {}
+
+fs::path StoreBuilder::file_of(const std::string& name) const {
+  return store_ / (name + ".seg");
+}
+
+std::unique_ptr<SegmentReader> StoreBuilder::open_segment(const std::string& name) const {
+  return std::make_unique<SegmentReader>(open_file(file_of(name)), file_of(name).string());
+}
+
+void StoreBuilder::adopt(const fs::path& store, const Manifest& published) {
+  manifest = published;
+  for (const SegmentRecord& segment : manifest.segments) {
+    const fs::path from = store / (segment.name + ".seg");
+    std::error_code no_link;
+    fs::remove(file_of(segment.name));
+    fs::create_hard_link(from, file_of(segment.name), no_link);
+    if (no_link) fs::copy_file(from, file_of(segment.name));
+  }
+}
+
+std::unique_ptr<SegmentReader> StoreBuilder::find_finished(const std::string& name) const {
+  if (!fs::exists(file_of(name))) return nullptr;
+  try {
+    auto reader = open_segment(name);
+    reader->check_all();
+    return reader;
+  } catch (const Error&) {
+    return nullptr;  // torn by a crash: made again
+  }
+}
+
+UnitFolder StoreBuilder::units(const std::string& name, const std::string& content) const {
+  return {units_, name, content};
+}
+
+void StoreBuilder::assemble(const std::string& name, const std::string& params,
+                            const std::vector<UnitRef>& units) {
+  SegmentWriter writer(file_of(name), name, params, all_entries(units));
+  std::vector<std::byte> stored;
+  for (const UnitRef& ref : units) {
+    const auto unit = ref.open();
+    for (std::size_t i = 0; i < unit->entries().size(); ++i) {
+      unit->read_stored(i, stored);
+      writer.append(stored);
+    }
+  }
+  add(writer.finish());
+}
+
+void StoreBuilder::assemble_all(const UnitFolder& folder, int count, const std::string& name,
+                                const std::string& params) {
+  std::vector<UnitRef> refs;
+  for (int u = 0; u < count; ++u) refs.push_back({folder, u});
+  assemble(name, params, refs);
+  folder.clear();
+}
+
+void StoreBuilder::record(const SegmentReader& finished) {
+  add({finished.name(), finished.id(), finished.bytes()});
+}
+
+void StoreBuilder::add(const SegmentRecord& record) {
+  manifest.segments.push_back(record);
+  if (terrain_) {
+    terrain_->impl_->add_segment(record);
+    terrain_->impl_->manifest.segments = manifest.segments;
+  }
+}
+
+void StoreBuilder::write_raster(const std::string& name, const std::string& heading,
+                                const RasterRecipe& recipe) {
+  const std::string params = raster_params(recipe.shape, heading);
+  if (const auto finished = find_finished(name); finished && finished->params() == params)
+    return record(*finished);
+  const UnitFolder folder = units(name, params);
+  assemble_all(folder, make_raster_units(recipe, folder, context_), name, params);
+}
+
+const Terrain& StoreBuilder::open_terrain() {
+  manifest.id = manifest_id(manifest);
+  const std::string text = to_text(manifest);
+  OutputFile file(store_ / kManifestName);
+  file.write_at(0, std::as_bytes(std::span(text)));
+  file.publish();
+  OpenOptions options;
+  options.cache_bytes = context_.memory_limit / 4;
+  options.prefetch = false;
+  terrain_ = Terrain::open(store_, options);
+  return *terrain_;
+}
+
+void StoreBuilder::write(const SegmentPlan& plan) {
+  if (terrain_->has_segment(plan.name) && terrain_->segment_params(plan.name) == plan.params)
+    return;
+  if (const auto finished = find_finished(plan.name); finished && finished->params() == plan.params)
+    return record(*finished);
+  const UnitFolder folder = units(plan.name, plan.params);
+  for_each_unit(context_, plan.name, plan.units, 0,
+                [&](int u) { folder.make(u, [&](UnitWriter& unit) { plan.make(u, unit); }); });
+  assemble_all(folder, plan.units, plan.name, plan.params);
+}
+
+void StoreBuilder::finish() {
+  manifest.id = manifest_id(manifest);
+  for (const SegmentRecord& segment : manifest.segments) sync_file(file_of(segment.name));
+  const std::string text = to_text(manifest);
+  write_file_durably(store_ / kManifestName, std::as_bytes(std::span(text)));
+}
+
+}  // namespace arete::store

@@ -1,0 +1,217 @@
+#include "arete/store/terrain.h"
+
+#include <fmt/format.h>
+
+#include "arete/core/error.h"
+#include "arete/store/height_codec.h"
+#include "arete/store/height_rows.h"
+#include "arete/store/manifest.h"
+#include "arete/store/raster_pyramid.h"
+#include "arete/store/terrain_impl.h"
+
+namespace arete::store {
+namespace {
+
+constexpr std::string_view kHeights = "heights";
+constexpr std::uint64_t kMaxManifestBytes = std::uint64_t{16} << 20U;
+
+std::string read_text(const File& file, const std::string& name) {
+  if (file.size() > kMaxManifestBytes)
+    throw Error(ErrorCode::kCorrupt, name + ": too large for a manifest: rebuild the store");
+  std::string text(file.size(), '\0');
+  file.read_at(0, std::as_writable_bytes(std::span(text)));
+  return text;
+}
+
+std::size_t bytes_of(const HeightTile& tile) {
+  return sizeof(HeightTile) + tile.counts.capacity() * sizeof(std::int32_t) + tile.valid.capacity();
+}
+
+}  // namespace
+
+Terrain::Impl::Impl(std::filesystem::path path, OpenOptions open_options)
+    : store(std::move(path)), options(std::move(open_options)), cache(options.cache_bytes) {
+  const std::filesystem::path file = store / kManifestName;
+  manifest = parse_manifest(read_text(*open(file), file.string()), file.string());
+  shape = {manifest.cols, manifest.rows};
+  levels = shape.levels();
+  for (const SegmentRecord& record : manifest.segments) add_segment(record);
+  if (heights_segment < 0)
+    throw Error(ErrorCode::kCorrupt, store.string() + ": has no heights: rebuild the store");
+  if (options.prefetch)
+    prefetcher = std::make_unique<Prefetcher>([this](const BlockName& name) {
+      if (!cache.contains(name) && !known_damaged(name)) load(name);
+    });
+}
+
+std::unique_ptr<File> Terrain::Impl::open(const std::filesystem::path& path) const {
+  return options.open ? options.open(path) : open_file(path);
+}
+
+void Terrain::Impl::add_segment(const SegmentRecord& record) {
+  const std::filesystem::path file = store / (record.name + ".seg");
+  auto reader = std::make_unique<SegmentReader>(open(file), file.string());
+  if (reader->name() != record.name || reader->id() != record.id)
+    throw Error(ErrorCode::kCorrupt,
+                file.string() + ": not the segment that the manifest names: rebuild the store");
+  const int old = find_segment(record.name);
+  if (old >= 0)
+    throw Error(ErrorCode::kCorrupt, file.string() + ": named twice: rebuild the store");
+  segments.push_back(std::move(reader));
+  if (record.name == kHeights) heights_segment = static_cast<int>(segments.size()) - 1;
+}
+
+int Terrain::Impl::find_segment(std::string_view name) const {
+  for (std::size_t i = 0; i < segments.size(); ++i)
+    if (segments[i]->name() == name) return static_cast<int>(i);
+  return -1;
+}
+
+const SegmentReader& Terrain::Impl::segment(std::string_view name) const {
+  const int i = find_segment(name);
+  if (i < 0)
+    throw Error(
+        ErrorCode::kNotFound,
+        fmt::format("{}: has no segment \"{}\": build it with that method", store.string(), name));
+  return *segments[static_cast<std::size_t>(i)];
+}
+
+std::shared_ptr<const void> Terrain::Impl::fetch(const BlockName& name, Fetch how) {
+  if (auto block = cache.find(name)) {
+    ++hits;
+    return block;
+  }
+  if (!segments[name.segment]->contains(name.key) || known_damaged(name)) return nullptr;
+  if (how == Fetch::kWait) {
+    ++misses;
+    return load(name);
+  }
+  ++late;
+  if (prefetcher) prefetcher->add_missed(name);
+  return nullptr;
+}
+
+std::shared_ptr<const void> Terrain::Impl::load(const BlockName& name) {
+  try {
+    std::vector<std::byte> raw;
+    const std::size_t read = segments[name.segment]->read(name.key, raw);
+    if (read == 0) return nullptr;
+    bytes_read += read;
+    if (static_cast<int>(name.segment) == heights_segment) {
+      auto tile = std::make_shared<HeightTile>();
+      decode_tile(raw, *tile);
+      return cache.insert(name, tile, bytes_of(*tile));
+    }
+    const std::size_t bytes = sizeof raw + raw.size();
+    return cache.insert(name, std::make_shared<const std::vector<std::byte>>(std::move(raw)),
+                        bytes);
+  } catch (const std::exception&) {
+    const std::scoped_lock lock(damaged_mutex);
+    if (damaged_blocks.insert(name).second) ++damaged;
+    return nullptr;
+  }
+}
+
+bool Terrain::Impl::known_damaged(const BlockName& name) {
+  if (damaged == 0) return false;
+  const std::scoped_lock lock(damaged_mutex);
+  return damaged_blocks.contains(name);
+}
+
+Terrain::Terrain() = default;
+Terrain::~Terrain() = default;
+
+std::unique_ptr<Terrain> Terrain::open(const std::filesystem::path& store, OpenOptions options) {
+  std::unique_ptr<Terrain> terrain(new Terrain());
+  terrain->impl_ = std::make_unique<Impl>(store, std::move(options));
+  return terrain;
+}
+
+const Manifest& Terrain::manifest() const {
+  return impl_->manifest;
+}
+int Terrain::levels() const {
+  return impl_->levels;
+}
+int Terrain::tiles_x(int level) const {
+  return impl_->shape.tiles_x(level);
+}
+int Terrain::tiles_y(int level) const {
+  return impl_->shape.tiles_y(level);
+}
+
+std::shared_ptr<const HeightTile> Terrain::heights(TileId id, Fetch fetch) const {
+  if (!impl_->shape.contains(id)) return nullptr;
+  const auto segment = static_cast<std::uint32_t>(impl_->heights_segment);
+  return std::static_pointer_cast<const HeightTile>(impl_->fetch({segment, id.key()}, fetch));
+}
+
+double Terrain::z_of(std::int32_t count) const {
+  return impl_->manifest.offset_m + impl_->manifest.quantum_m * count;
+}
+
+bool Terrain::has_segment(std::string_view name) const {
+  return impl_->find_segment(name) >= 0;
+}
+
+std::string Terrain::segment_params(std::string_view name) const {
+  return impl_->segment(name).params();
+}
+
+std::span<const std::uint64_t> Terrain::keys(std::string_view name) const {
+  return impl_->segment(name).keys();
+}
+
+std::shared_ptr<const std::vector<std::byte>> Terrain::block(std::string_view segment,
+                                                             std::uint64_t key, Fetch fetch) const {
+  const int i = impl_->find_segment(segment);
+  if (i < 0 || i == impl_->heights_segment) return nullptr;
+  return std::static_pointer_cast<const std::vector<std::byte>>(
+      impl_->fetch({static_cast<std::uint32_t>(i), key}, fetch));
+}
+
+std::unique_ptr<HeightSource> Terrain::height_source() const {
+  return make_height_rows(impl_->segment(kHeights), impl_->manifest);
+}
+
+std::unique_ptr<RasterSource> Terrain::raster(std::string_view segment) const {
+  if (!has_segment(segment)) return nullptr;
+  return open_raster(impl_->segment(segment), &impl_->damaged);
+}
+
+void Terrain::prefetch(std::span<const TileId> tiles) const {
+  if (!impl_->prefetcher) return;
+  const auto segment = static_cast<std::uint32_t>(impl_->heights_segment);
+  std::vector<BlockName> wanted;
+  wanted.reserve(tiles.size());
+  for (const TileId id : tiles)
+    if (impl_->shape.contains(id)) wanted.push_back({segment, id.key()});
+  impl_->prefetcher->replace(std::move(wanted));
+}
+
+CacheStats Terrain::cache_stats() const {
+  CacheStats stats;
+  stats.resident_bytes = impl_->cache.resident_bytes();
+  stats.resident_bytes_max = impl_->cache.resident_bytes_max();
+  stats.hits = impl_->hits;
+  stats.misses = impl_->misses;
+  stats.late = impl_->late;
+  stats.bytes_read = impl_->bytes_read;
+  stats.damaged = impl_->damaged;
+  return stats;
+}
+
+std::uint64_t Terrain::check_all(const std::function<void(double)>& progress) const {
+  std::uint64_t total = 0;
+  for (const auto& segment : impl_->segments) total += segment->page_count();
+  std::uint64_t before = 0;
+  for (const auto& segment : impl_->segments) {
+    segment->check_all([&](std::uint64_t pages) {
+      if (progress) progress(static_cast<double>(before + pages) / static_cast<double>(total));
+    });
+    before += segment->page_count();
+  }
+  return total;
+}
+
+}  // namespace arete::store
