@@ -20,6 +20,7 @@
 namespace arete::render {
 namespace {
 
+constexpr int kGrainPosts = 48;  // posts a period of the grain
 constexpr std::size_t kSmallestMemory = std::size_t{256} << 10U;
 
 // GL state that a draw needs; put back to what other code in a window's context expects.
@@ -110,6 +111,7 @@ struct Renderer::Impl {
   Land land;
   Programs programs;
   Tint tint;
+  GlTexture grain = make_grain();
   std::array<std::optional<Clipmap>, 3> clipmaps;  // normals, validity, drape
   BlockArena arena;
   Batches batches;
@@ -149,6 +151,9 @@ struct Renderer::Impl {
     frame.plan = glm::dvec4(a.m[0], a.m[1], a.m[3], a.m[4]);
     frame.eye_offset = glm::vec4(offset, z_high, view.eye.z - static_cast<double>(z_high));
     frame.eye_post = glm::ivec4(eye_post, 0, 0);
+    // Modulo the grain's period, so that the coordinates stay small numbers.
+    const glm::ivec2 phase = (eye_post % kGrainPosts + kGrainPosts) % kGrainPosts;
+    frame.grain_origin = glm::dvec4(phase, 1.0 / kGrainPosts, 0);
   }
 
   void set_look(const View& view, const Style& style) {
@@ -182,6 +187,7 @@ struct Renderer::Impl {
       glBindTextureUnit(static_cast<GLuint>(i), clipmaps[i]->texture());
     }
     glBindTextureUnit(3, tint.texture.get());
+    glBindTextureUnit(4, grain.get());
   }
 
   void send_frame() {

@@ -34,10 +34,11 @@ inline constexpr std::array<std::uint8_t, 3> kKeyBackground{255, 0, 255};
 
 struct Style {
   Shading shading = Shading::kLand;
-  bool wireframe = false;            ///< triangle edges over the land; kLand only
-  bool mask = true;                  ///< discard fragments without data
-  bool morph = true;                 ///< false: factors are taken as 0
-  glm::dvec3 sun{0.45, 0.35, 0.82};  ///< direction towards the sun, world, any length
+  bool wireframe = false;  ///< triangle edges over the land; kLand only
+  bool mask = true;        ///< discard fragments without data
+  bool morph = true;       ///< false: factors are taken as 0
+  /// Direction towards the sun, world, any length; from the north-west, as maps are shaded.
+  glm::dvec3 sun{-0.62, 0.48, 0.62};
   /// Tiles of each pyramid (normals, validity, drape) that a frame may read; what is missing is
   /// shown coarser. Without a limit every frame is complete and depends on the view alone.
   int texture_tiles = std::numeric_limits<int>::max();

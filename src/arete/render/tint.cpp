@@ -18,16 +18,16 @@ struct Stop {
   glm::dvec3 rgb;  // display values, 0..255
 };
 
-constexpr std::array<Stop, 8> kLand{{{0.00, {84, 112, 68}},
-                                     {0.12, {112, 134, 78}},
-                                     {0.30, {160, 158, 100}},
-                                     {0.46, {172, 150, 102}},
-                                     {0.62, {142, 118, 90}},
-                                     {0.78, {134, 122, 112}},
-                                     {0.90, {196, 194, 192}},
-                                     {1.00, {246, 248, 251}}}};
+constexpr std::array<Stop, 8> kLand{{{0.00, {72, 88, 60}},
+                                     {0.12, {96, 108, 70}},
+                                     {0.28, {138, 132, 90}},
+                                     {0.44, {156, 136, 100}},
+                                     {0.60, {130, 110, 90}},
+                                     {0.76, {122, 114, 108}},
+                                     {0.88, {194, 195, 197}},
+                                     {1.00, {240, 244, 250}}}};
 constexpr std::array<Stop, 4> kSea{
-    {{0.00, {18, 36, 78}}, {0.55, {30, 74, 128}}, {0.90, {70, 134, 172}}, {1.00, {136, 188, 200}}}};
+    {{0.00, {10, 24, 58}}, {0.55, {18, 56, 104}}, {0.90, {46, 108, 146}}, {1.00, {98, 158, 172}}}};
 
 glm::dvec3 colour_at(std::span<const Stop> stops, double t) {
   t = std::clamp(t, 0.0, 1.0);
@@ -42,6 +42,36 @@ glm::dvec3 colour_at(std::span<const Stop> stops, double t) {
 // Hills have no snow line: the ramp ends in rock unless the land is high.
 double top_of_ramp(double z_max) {
   return 0.66 + 0.34 * glm::smoothstep(900.0, 2600.0, z_max);
+}
+
+constexpr int kGrainSize = 256;
+
+// A hash of the lattice point, 0..1.
+double lattice(int x, int y, int cells) {
+  auto h = static_cast<std::uint32_t>((x % cells) * 374761393 + (y % cells) * 668265263 +
+                                      cells * 2246822519U);
+  h = (h ^ (h >> 15U)) * 2246822519U;
+  h = (h ^ (h >> 13U)) * 3266489917U;
+  return static_cast<double>(h >> 8U) / (1U << 24U);
+}
+
+double value_noise(double x, double y, int cells) {
+  const int i = static_cast<int>(x);
+  const int j = static_cast<int>(y);
+  const double u = glm::smoothstep(0.0, 1.0, x - i);
+  const double v = glm::smoothstep(0.0, 1.0, y - j);
+  return glm::mix(glm::mix(lattice(i, j, cells), lattice(i + 1, j, cells), u),
+                  glm::mix(lattice(i, j + 1, cells), lattice(i + 1, j + 1, cells), u), v);
+}
+
+std::uint8_t grain_at(int x, int y) {
+  double sum = 0;
+  double weight = 1;
+  for (int cells = 16; cells <= 128; cells *= 2, weight *= 0.85) {
+    const double scale = static_cast<double>(cells) / kGrainSize;
+    sum += weight * (value_noise(x * scale, y * scale, cells) - 0.5);
+  }
+  return static_cast<std::uint8_t>(std::clamp(127.5 + 110 * sum, 0.0, 255.0));
 }
 
 }  // namespace
@@ -67,6 +97,23 @@ Tint make_tint(double z_min, double z_max) {
   glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   glTextureParameteri(name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
   return tint;
+}
+
+GlTexture make_grain() {
+  std::vector<std::uint8_t> texels;
+  for (int y = 0; y < kGrainSize; ++y) {
+    for (int x = 0; x < kGrainSize; ++x) texels.push_back(grain_at(x, y));
+  }
+  GlTexture texture = make_texture(GL_TEXTURE_2D);
+  const GLuint name = texture.get();
+  glTextureStorage2D(name, 9, GL_R8, kGrainSize, kGrainSize);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTextureSubImage2D(name, 0, 0, 0, kGrainSize, kGrainSize, GL_RED, GL_UNSIGNED_BYTE,
+                      texels.data());
+  glGenerateTextureMipmap(name);
+  glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  return texture;
 }
 
 }  // namespace arete::render

@@ -13,4 +13,7 @@ struct Tint {
 
 Tint make_tint(double z_min, double z_max);
 
+/// Repeating R8 noise around 0.5 with mipmaps, the same on every machine.
+GlTexture make_grain();
+
 }  // namespace arete::render

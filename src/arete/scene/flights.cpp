@@ -27,8 +27,9 @@ Path circle(const Ground& ground) {
   const Scale scale = scale_of(ground);
   const glm::dvec2 centre = centre_of(ground);
   const double middle = ground_at(ground, centre);
-  const double radius = 0.85 * scale.extent;
-  const double height = std::max(ground.z_max + 2 * scale.spacing, middle + 0.4 * scale.extent);
+  const glm::dvec2 corner = ground.world_from_post.apply(0, 0);
+  const double radius = std::max(1.1 * glm::distance(corner, centre), 4 * scale.spacing);
+  const double height = std::max(ground.z_max + 2 * scale.spacing, middle + 0.45 * radius);
   std::vector<Keyframe> keyframes;
   for (int i = 0; i <= kSteps; ++i) {
     const double angle = kPi + 2 * kPi * (i % kSteps) / kSteps;  // starts in the south

@@ -191,6 +191,17 @@ class Flyover {
     return c;
   }
 
+  // Over ground that is rougher than the corridor is high, the camera may glide from crest to crest
+  // of the next half second instead of following every dip.
+  static void allow_gliding(std::vector<Corridor>& corridors) {
+    const std::size_t n = corridors.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      for (const std::size_t step : {n - 2, n - 1, std::size_t{1}, std::size_t{2}}) {
+        corridors[i].high = std::max(corridors[i].high, corridors[(i + step) % n].low);
+      }
+    }
+  }
+
   // The smoothest heights within the corridors: smoothing and clamping by turns.
   std::vector<double> heights() const {
     constexpr int kRounds = 60;
@@ -201,6 +212,7 @@ class Flyover {
       z.push_back(corridors.back().wish);
     }
     const std::size_t n = z.size();
+    allow_gliding(corridors);
     std::vector<double> smooth(n);
     for (int round = 0; round < kRounds; ++round) {
       for (std::size_t i = 0; i < n; ++i) {
@@ -218,12 +230,19 @@ class Flyover {
     return z;
   }
 
-  // Along the track, half a second ahead; not across the cusp.
+  // Along the track, half a second ahead, not across the cusp; the higher, the more towards the
+  // middle of the land, so that it fills the picture.
   double heading(double t) const {
     const double limit = t <= kHoverStart ? kHoverStart : kSeconds + kHoverStart;
     const double ahead = std::min(t + 0.5, limit);
     const double behind = std::min(t, limit - 0.5);
-    const glm::dvec2 d = plan(std::fmod(ahead, kSeconds)) - plan(std::fmod(behind, kSeconds));
+    const glm::dvec2 here = plan(std::fmod(behind, kSeconds));
+    const glm::dvec2 along = plan(std::fmod(ahead, kSeconds)) - here;
+    const glm::dvec2 inward =
+        ground_.world_from_post.apply((ground_.cols - 1) * 0.5, (ground_.rows - 1) * 0.5) - here;
+    const Phase p = phase_at(t);
+    const double share = (0.35 * p.middle + 1.8 * p.high) / std::max(glm::length(inward), 1e-9);
+    const glm::dvec2 d = along / std::max(glm::length(along), 1e-9) + share * inward;
     return std::atan2(d.x, d.y);
   }
 

@@ -4,13 +4,15 @@ const vec3 kSunlight = vec3(1.0, 0.93, 0.80);
 vec3 sky_colour(vec3 direction) {
   float up = max(direction.z, 0.0);
   float toward_sun = max(dot(direction, sun.xyz), 0.0);
-  vec3 zenith = vec3(0.10, 0.24, 0.56);
-  vec3 horizon = vec3(0.60, 0.73, 0.88);
-  float pale = exp2(-7.0 * up);
-  vec3 colour = mix(zenith, horizon, pale);
+  vec3 zenith = vec3(0.035, 0.115, 0.36);
+  vec3 horizon = vec3(0.40, 0.53, 0.68);
+  float pale = 0.75 * exp2(-5.0 * up) + 0.25 * exp2(-26.0 * up);
   float glow = toward_sun * toward_sun;
   glow *= glow;
-  return colour + kSunlight * (0.10 * glow + 0.25 * glow * glow * glow * glow) * (0.4 + 0.6 * pale);
+  float core = glow * glow;
+  core *= core;
+  return mix(zenith, horizon, pale) +
+         kSunlight * (0.10 * glow + 0.30 * core * core) * (0.35 + 0.65 * pale);
 }
 
 // Share of the point's own light that reaches the eye, through air that thins exponentially.

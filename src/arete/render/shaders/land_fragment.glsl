@@ -1,4 +1,5 @@
 layout(binding = 3) uniform sampler1D tint_texture;
+layout(binding = 4) uniform sampler2D grain_texture;
 
 #ifdef WIREFRAME
 in vec2 posts;
@@ -36,18 +37,21 @@ vec3 ground_colour(vec3 n, vec2 posts_dx, vec2 posts_dy) {
   if (has.z != 0) {
     return clip_fetch(2, drape_texture, footprint(2, posts, posts_dx, posts_dy)).rgb;
   }
+  // One noise gives the ground its grain and frays the bands of the tint.
+  float grain = texture(grain_texture, (posts + grain_origin.xy) * grain_origin.z).r - 0.5;
   float t = (height - tint.x) * tint.y;
-  vec3 base = texture(tint_texture, t).rgb;
+  vec3 base = texture(tint_texture, t < tint.z ? t : max(t + 0.04 * grain, tint.z + 0.002)).rgb;
   if (t < tint.z) return base;
-  vec3 rock = mix(vec3(0.16, 0.135, 0.115), vec3(0.27, 0.25, 0.24), clamp(t, 0.0, 1.0));
-  return mix(base, rock, 0.85 * smoothstep(0.22, 0.50, 1.0 - n.z));
+  vec3 rock = mix(vec3(0.11, 0.092, 0.076), vec3(0.165, 0.155, 0.145), clamp(t, 0.0, 1.0));
+  float steep = smoothstep(0.14, 0.42, 1.0 - n.z + 0.12 * grain);
+  return mix(base, rock, 0.85 * steep) * (1.0 + 0.55 * grain);
 }
 
 vec3 lit(vec3 albedo, vec3 n) {
   float direct = max(dot(n, sun.xyz), 0.0);
   float up = 0.5 + 0.5 * n.z;
-  vec3 ambient = mix(vec3(0.10, 0.085, 0.07), vec3(0.26, 0.33, 0.45), up * up);
-  return albedo * (kSunlight * (2.1 * direct) + ambient);
+  vec3 ambient = mix(vec3(0.07, 0.065, 0.06), vec3(0.17, 0.22, 0.31), up * up);
+  return albedo * (kSunlight * (1.9 * direct) + ambient);
 }
 
 #ifdef WIREFRAME
