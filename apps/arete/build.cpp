@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "arete/core/error.h"
+#include "arete/store/terrain.h"
 
 #include "flags.h"
 #include "recipe.h"
@@ -74,6 +75,17 @@ void add_work_flags(CLI::App& verb, BuildFlags& flags) {
   add_quiet(verb, flags.talk);
 }
 
+/// Empty when there is no store that can be read.
+std::string store_id(const fs::path& store) {
+  store::OpenOptions options;
+  options.prefetch = false;
+  try {
+    return store::Terrain::open(store, options)->manifest().id;
+  } catch (const Error&) {
+    return {};
+  }
+}
+
 void run(BuildFlags& flags) {
   Recipe& recipe = flags.recipe;
   recipe.methods = method_list(flags.methods);
@@ -82,7 +94,12 @@ void run(BuildFlags& flags) {
   if (flags.raw_size) {
     recipe.dem.raw_size = std::pair{flags.raw_size->width, flags.raw_size->height};
   }
+  const std::string before = store_id(flags.output);
   build_store(recipe, flags.output, flags.existing, flags.talk);
+  if (flags.talk == Talk::kNormal) {
+    fmt::print("{}: {}\n", flags.output.string(),
+               store_id(flags.output) == before ? "up to date" : "built");
+  }
 }
 
 }  // namespace

@@ -58,6 +58,7 @@ int main(int argc, char** argv) {
   arete::app::add_render(app);
   arete::app::add_verify(app);
   arete::app::add_bench(app);
+  arete::app::add_export(app);
   arete::app::add_synth(app);
   arete::app::catch_interrupts();
   return parse_and_run(app, argc, argv);

@@ -59,7 +59,7 @@ Pose home_pose(const scene::Ground& ground) {
   const double half = glm::length(a.apply(ground.cols - 1, ground.rows - 1) - a.apply(0, 0)) / 2;
   Pose pose;
   pose.pitch = -40 * std::numbers::pi / 180;
-  const double distance = std::max(0.85 * half / std::tan(pose.fovy / 2), 1.0);
+  const double distance = std::max(half / std::tan(pose.fovy / 2), 1.0);
   pose.eye = glm::dvec3(centre, ground_height(ground, centre)) -
              distance * camera_axes(pose.yaw, pose.pitch).forward;
   return pose;

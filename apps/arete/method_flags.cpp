@@ -12,7 +12,7 @@
 namespace arete::app {
 namespace {
 
-constexpr std::array<std::string_view, 3> kPatchMethods{"geomipmap", "smooth", "deboer"};
+constexpr std::array<std::string_view, 4> kPatchMethods{"full", "geomipmap", "smooth", "deboer"};
 constexpr std::array<std::pair<std::string_view, ErrorScale>, 3> kScales{{
     {"up", ErrorScale::kUpright},
     {"ang", ErrorScale::kAngular},

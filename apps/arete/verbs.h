@@ -12,6 +12,7 @@ void add_view(CLI::App& app);
 void add_render(CLI::App& app);
 void add_verify(CLI::App& app);
 void add_bench(CLI::App& app);
+void add_export(CLI::App& app);
 void add_synth(CLI::App& app);
 
 }  // namespace arete::app

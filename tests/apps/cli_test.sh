@@ -1,0 +1,134 @@
+#!/usr/bin/env bash
+# The program from outside: exit codes, one-line errors, help, JSON keys, and what is left at -o.
+# Usage: cli_test.sh ARETE
+set -uo pipefail
+arete=$(realpath "$1")
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+export XDG_CACHE_HOME=$work/cache
+unset DISPLAY WAYLAND_DISPLAY
+faults=0
+
+fault() { echo "FAULT: $*"; faults=$((faults + 1)); }
+
+# expect CODE ARGS...: the exit code; a failure says one line "arete: ...", on stderr alone.
+expect() {
+  local code=$1 got=0
+  shift
+  "$arete" "$@" >stdout 2>stderr || got=$?
+  [[ $got == "$code" ]] || fault "exit $got, not $code: arete $* ($(head -n 1 stderr))"
+  if ((code != 0)); then
+    [[ $(wc -l <stderr) == 1 && $(head -c 7 stderr) == "arete: " ]] ||
+      fault "not one line 'arete: ...' on stderr: arete $*: $(cat stderr)"
+  fi
+}
+says() { grep -qF -- "$2" "$1" || fault "$1 does not say '$2': $(cat "$1")"; }
+absent() { [[ ! -e $1 ]] || fault "left behind: $1"; }
+present() { [[ -s $1 ]] || fault "not made: $1"; }
+keys() { for key in "$@"; do says stdout "\"$key\":"; done; }
+
+# Help.
+verbs="build info view render verify bench synth"
+for verb in $verbs; do
+  expect 0 "$verb" --help
+  says stdout "arete $verb "
+  says stdout "Example:"
+  says stdout "--quiet"
+done
+expect 0 --help
+for verb in $verbs; do says stdout "$verb"; done
+
+# Usage: exit 2.
+expect 2
+expect 2 nonesuch
+expect 2 build
+expect 2 synth -o x.tif --size 0
+expect 2 synth -o x.tif --size 9 --kind nonesuch
+expect 2 render a.arete -o a.png --size 12
+expect 2 render a.arete -o a.png --cache 3X
+expect 2 verify a.arete
+absent x.tif
+
+# Failures: exit 1, nothing left.
+expect 1 info nonesuch.arete
+says stderr "nonesuch.arete: "
+expect 1 build nonesuch.tif -o n.arete
+absent n.arete
+echo "not a DEM" >text.tif
+expect 1 build text.tif -o n.arete
+says stderr "text.tif: "
+absent n.arete
+absent n.arete.part
+expect 1 view text.tif
+mkdir empty.arete
+expect 1 info empty.arete
+
+# The whole flow on a small terrain, in a path with a space.
+expect 0 synth -o "my dem.tif" --size 257 --kind ridged --seed 7 --quiet
+present "my dem.tif"
+expect 1 synth -o "my dem.tif" --size 257
+expect 0 build "my dem.tif" -o t.arete --quiet
+expect 0 build "my dem.tif" -o t.arete
+expect 0 info t.arete
+expect 0 info t.arete --check --json
+keys format_version id cols rows world_from_post z_min z_max quantum max_store_error_m nodata_share \
+  crs source methods bytes segments
+says stdout '"cols": 257'
+expect 0 render t.arete -o still.png --size 320x180 --stats stats.csv --depth depth.tif --wireframe
+present still.png
+present stats.csv
+present depth.tif
+expect 0 render t.arete -o frames --frames 3 --size 160x90 --no-morph --method full
+present frames/000000.png
+present frames/000002.png
+absent frames/000003.png
+expect 1 render t.arete -o frames --frames 3 --size 160x90
+expect 0 render t.arete -o flight.mp4 --frames 5 --size 160x90 --path orbit
+present flight.mp4
+expect 0 verify t.arete --method geomipmap --frames 3 --size 320x180 --json
+keys method options claims conforming error_px pop_px frames tolerance_px max_error_px p999_error_px \
+  max_error_angular_px cracks t_junctions background_pixels max_pop_px p999_pop_px mean_triangles \
+  max_triangles achieved_error_px seconds
+expect 0 verify t.arete --method full --frames 2 --size 160x90
+says stdout "every claim holds"
+expect 0 bench t.arete --methods full,geomipmap --frames 4 --size 160x90 --json
+keys machine terrain path runs method options frames mean_triangles refine_ms p50 p99 max draw_ms \
+  frame_ms evaluated_vertices visited_nodes bytes_read page_faults bytes_uploaded \
+  incoherence_percent cache_bytes_max peak_rss_bytes achieved_error_px
+expect 0 bench t.arete --methods geomipmap --frames 4 --no-draw
+
+# A picture that fails half way leaves nothing.
+expect 1 render t.arete -o lost.png --size 160x90 --stats no/such/dir/stats.csv
+absent lost.png
+expect 2 render t.arete -o lost.gif
+expect 2 render t.arete -o lost.png --method nonesuch
+expect 2 render t.arete -o lost.png --path nonesuch
+expect 2 render t.arete -o lost.mp4 --size 161x91
+expect 2 render t.arete -o lost --frames 2 --depth lost.tif
+absent lost.png
+absent lost.mp4
+absent lost
+
+# A DEM in place of a store is built into the cache, once.
+expect 0 render "my dem.tif" -o cached.png --size 160x90
+[[ $(find cache/arete -maxdepth 1 -name '*.arete' | wc -l) == 1 ]] || fault "no store in the cache"
+before=$(find cache/arete -name manifest.json -printf '%T@')
+expect 0 render "my dem.tif" -o cached.png --size 160x90
+[[ $(find cache/arete -name manifest.json -printf '%T@') == "$before" ]] || fault "built again"
+
+# A damaged store is refused, or found by --check; never a crash.
+cp -r t.arete damaged.arete
+segment=$(find damaged.arete -name 'heights.seg')
+printf 'x' | dd of="$segment" bs=1 seek=5000 conv=notrunc status=none
+expect 1 info damaged.arete --check
+says stderr "damaged.arete"
+truncate -s -100 "$segment"
+expect 1 info damaged.arete
+
+# Without a display the viewer names what to use instead.
+expect 1 view t.arete
+says stderr "render"
+
+((faults == 0)) && echo "apps_cli: all as expected"
+exit $((faults > 0))
