@@ -238,7 +238,9 @@ TEST_P(Conformance, DeferringDrawsCoarserThenCatchesUp) {
   std::uint64_t late = 0;
   for (int k = 0; k < 2000; ++k) {
     engine->refine(view, {.on_missing = OnMissing::kDefer}, list);
-    if (k == 0) EXPECT_GT(list.stats.late_blocks, 0U);
+    if (k == 0) {
+      EXPECT_GT(list.stats.late_blocks, 0U);
+    }
     late = list.stats.late_blocks;
     if (late == 0) break;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -265,12 +267,14 @@ TEST_P(Conformance, LargerToleranceIsNotMoreTriangles) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Conformance, testing::ValuesIn([] {
-                           std::vector<std::string_view> names;
-                           for (const EngineInfo& info : engines()) names.push_back(info.name);
-                           return names;
-                         }()),
-                         [](const auto& parameter) { return std::string(parameter.param); });
+std::vector<std::string_view> engine_names() {
+  std::vector<std::string_view> names;
+  for (const EngineInfo& engine : engines()) names.push_back(engine.name);
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Conformance, testing::ValuesIn(engine_names()),
+                         [](const auto& tested) { return std::string(tested.param); });
 
 }  // namespace
 }  // namespace arete::lod

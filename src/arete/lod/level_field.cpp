@@ -20,9 +20,10 @@ float inverse(const float* hat, std::size_t n, double allowed) {
   std::size_t l = 0;
   while (l + 1 < n && hat[l + 1] <= allowed) ++l;
   if (l + 1 == n) return static_cast<float>(l);
-  // Rounded towards the finer level: the float must not claim more than the double found.
   const double t = (allowed - hat[l]) / (double{hat[l + 1]} - hat[l]);
-  return static_cast<float>(l) + std::max(0.0F, static_cast<float>(t) - 1e-6F);
+  // Down to a whole 1/65536: then lambda + 1 is exact in float, and with it "at most one level
+  // apart".
+  return static_cast<float>(static_cast<double>(l) + std::floor(t * 0x1p16) * 0x1p-16);
 }
 
 float at_level(const float* knots, std::size_t n, float level) {

@@ -198,6 +198,14 @@ void PatchBlocks::release_unused(std::size_t wanted_bytes) {
   }
 }
 
+TileId PatchBlocks::tile_of(int patch, int level) const {
+  const int stored = std::min(level, terrain_.levels() - 1);
+  const int cells = table_.cells() >> stored;
+  return {static_cast<std::uint32_t>(stored),
+          static_cast<std::uint32_t>(table_.x(patch) * cells / store::kTileCells),
+          static_cast<std::uint32_t>(table_.y(patch) * cells / store::kTileCells)};
+}
+
 bool PatchBlocks::fill(int patch, int level, OnMissing on_missing, std::span<Vertex> out) {
   const int w = table_.log2_cells();
   const int n = level_cells(level);
@@ -208,16 +216,21 @@ bool PatchBlocks::fill(int patch, int level, OnMissing on_missing, std::span<Ver
   if (level == w) {
     std::ranges::copy(table_.corners(patch), counts.begin());
   } else {
-    const int per_tile = store::kTileCells / n;  // patches a side of a tile of this level
-    const TileId id{static_cast<std::uint32_t>(level), static_cast<std::uint32_t>(x / per_tile),
-                    static_cast<std::uint32_t>(y / per_tile)};
-    const auto tile = terrain_.heights(
-        id, on_missing == OnMissing::kWait ? store::Fetch::kWait : store::Fetch::kResident);
+    // A small terrain's pyramid ends before level w - 1: then every so many posts of its last
+    // level.
+    const int stored = std::min(level, terrain_.levels() - 1);
+    const int stride = 1 << (level - stored);
+    const auto tile = terrain_.heights(tile_of(patch, level), on_missing == OnMissing::kWait
+                                                                  ? store::Fetch::kWait
+                                                                  : store::Fetch::kResident);
     if (!tile) return false;
+    const int col = x * n * stride % store::kTileCells;
+    const int row = y * n * stride % store::kTileCells;
     for (int j = 0; j <= n; ++j) {
-      const auto row = static_cast<std::ptrdiff_t>((y % per_tile * n + j) * store::kTilePosts +
-                                                   x % per_tile * n);
-      std::copy_n(tile->counts.begin() + row, n + 1, counts.begin() + j * (n + 1));
+      for (int i = 0; i <= n; ++i) {
+        counts[local_vertex(square, i, j)] = tile->counts[static_cast<std::size_t>(
+            (row + j * stride) * store::kTilePosts + col + i * stride)];
+      }
     }
   }
   make_patch_vertices(square, counts, {x << w, y << w}, level, terrain_.manifest(), out);

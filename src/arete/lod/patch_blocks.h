@@ -40,6 +40,8 @@ class PatchBlocks {
   /// Vertex block of the patch at the level, made if needed; kOwnBlock when its heights are
   /// missing. Level w never fails: the table knows the corners.
   BlockKey vertices(int patch, int level, OnMissing on_missing, RefineStats& stats);
+  /// The stored height tile that block (patch, level) is made from. Requires: level < w.
+  TileId tile_of(int patch, int level) const;
   BlockKey indices(int patch, int level, unsigned side_mask) const;
   std::uint32_t index_count(BlockKey indices_key) const;
   std::uint64_t triangles(int level, unsigned side_mask) const;

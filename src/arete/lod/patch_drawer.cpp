@@ -99,10 +99,7 @@ bool PatchDrawer::fetch_missing(const RefineOptions& options, RefineStats& stats
     if (keys_.back() != kOwnBlock) continue;
     missing = true;
     ++stats.late_blocks;
-    const int patches_per_tile = store::kTileCells >> (w - level);
-    wanted_.push_back({static_cast<std::uint32_t>(level),
-                       static_cast<std::uint32_t>(table_.x(p) / patches_per_tile),
-                       static_cast<std::uint32_t>(table_.y(p) / patches_per_tile)});
+    wanted_.push_back(blocks_.tile_of(p, level));
   }
   return missing;
 }
