@@ -7,11 +7,6 @@
 
 namespace arete::proof {
 
-std::size_t PixelHistogram::bin_of(float squared) {
-  const std::uint32_t code = std::bit_cast<std::uint32_t>(squared) >> kShift;
-  return code < kFirst ? 0 : std::min(code, kLast) - kFirst + 1;
-}
-
 void PixelHistogram::raise(double squared_px) {
   max_squared_ = std::isnan(squared_px) ? std::numeric_limits<double>::infinity() : squared_px;
 }

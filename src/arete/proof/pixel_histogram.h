@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 
 namespace arete::proof {
@@ -29,7 +32,10 @@ class PixelHistogram {
   static constexpr std::uint32_t kFirst = (127U - 40U) << 7U;
   static constexpr std::uint32_t kLast = (127U + 64U) << 7U;
 
-  static std::size_t bin_of(float squared);
+  static std::size_t bin_of(float squared) {
+    const std::uint32_t code = std::bit_cast<std::uint32_t>(squared) >> kShift;
+    return code < kFirst ? 0 : std::min(code, kLast) - kFirst + 1;
+  }
   void raise(double squared_px);
 
   std::array<std::uint64_t, kLast - kFirst + 2> bins_{};

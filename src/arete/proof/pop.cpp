@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "arete/proof/drawn_posts.h"
-#include "arete/proof/screen_shift.h"
+#include "arete/proof/post_row.h"
 #include "arete/proof/sum_over_tiles.h"
 
 namespace arete::proof {
@@ -39,13 +39,14 @@ PixelHistogram measure_pops(const FramePair& pair, const Reference& reference, i
     PostHeights z_after;
     before.read(tile, z_before);
     after.read(tile, z_after);
-    for_each_post(reference, tile, [&](Post p, std::size_t i) {
-      if (std::isnan(z_before[i]) || std::isnan(z_after[i])) return;
-      const double true_z = double{reference.dem()[p]};
-      const glm::dvec3 c = later.clip(p, true_z);
-      if (!later.inside(c) || !earlier.inside(earlier.clip(p, true_z))) return;
-      sum.add_squared(
-          later.squared_px(later.raised(c, z_after[i] - true_z), z_before[i] - z_after[i]));
+    for_each_row(reference, tile, [&](const PostRow& row) {
+      RowValues squared;
+      later.squared_px(row.first, &z_after[row.offset], &z_before[row.offset], squared);
+      later.drop_unseen(row.first, row.true_z, squared);
+      earlier.drop_unseen(row.first, row.true_z, squared);
+      for (const double s : squared) {
+        if (s >= 0) sum.add_squared(s);  // NaN: not drawn in both
+      }
     });
   });
 }

@@ -62,6 +62,20 @@ Reference::Tile Reference::scan(int tile) const {
   return out;
 }
 
+void Reference::read_row(int tile, int r, std::array<double, kTilePosts>& z) const {
+  const PostRect rect = posts_of(tile);
+  const bool stray = tiles_[static_cast<std::size_t>(tile)].stray;
+  const float* const posts = dem_.row(r).data() + rect.col0;
+  const auto count = static_cast<std::size_t>(rect.col1 - rect.col0);
+  for (std::size_t i = 0; i < count; ++i) z[i] = double{posts[i]};
+  for (std::size_t i = count; i < z.size(); ++i) z[i] = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = 0; stray && i < count; ++i) {
+    if (!counts({rect.col0 + static_cast<std::int32_t>(i), r})) {
+      z[i] = std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+}
+
 std::vector<int> Reference::counted_tiles() const {
   std::vector<int> out;
   for (int t = 0; t < tiles(); ++t) {

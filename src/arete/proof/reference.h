@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -27,8 +28,8 @@ class Reference {
   int tiles() const { return tile_cols_ * tile_rows_; }
   /// The tile's posts, clipped to the grid.
   PostRect posts_of(int tile) const;
-  /// True when each post of the tile that has data counts.
-  bool all_valid_count(int tile) const { return !tiles_[static_cast<std::size_t>(tile)].stray; }
+  /// Heights of row r of the tile; NaN for posts that do not count or lie outside the grid.
+  void read_row(int tile, int r, std::array<double, kTilePosts>& z) const;
   /// Tiles whose counted posts may be seen, ascending. Never leaves out one that is.
   std::vector<int> visible_tiles(const View& view) const;
   /// Tiles with counted posts, ascending.

@@ -7,7 +7,7 @@
 
 #include "arete/core/screen_error.h"
 #include "arete/proof/drawn_posts.h"
-#include "arete/proof/screen_shift.h"
+#include "arete/proof/post_row.h"
 #include "arete/proof/sum_over_tiles.h"
 
 namespace arete::proof {
@@ -26,26 +26,43 @@ class ResidualMeter {
   void measure(int tile, Residuals& sum) const {
     PostHeights heights;
     drawn_.read(tile, heights);
-    for_each_post(reference_, tile, [&](Post p, std::size_t i) { add(p, heights[i], sum); });
+    for_each_row(reference_, tile,
+                 [&](const PostRow& row) { add(row, &heights[row.offset], sum); });
   }
 
  private:
-  void add(Post p, double drawn_z, Residuals& sum) const {
-    const double true_z = double{reference_.dem()[p]};
-    const glm::dvec3 c = screen_.clip(p, true_z);
-    if (!screen_.inside(c)) return;
-    if (std::isnan(drawn_z)) {
-      ++sum.undrawn;
-      return;
+  void add(const PostRow& row, const double* drawn_z, Residuals& sum) const {
+    RowValues squared_px;
+    RowValues squared_angle;
+    screen_.squared_px(row.first, row.true_z.data(), drawn_z, squared_px);
+    screen_.drop_unseen(row.first, row.true_z, squared_px);
+    squared_angles(row, drawn_z, squared_angle);
+    double worst = 0;
+    for (std::size_t i = 0; i < squared_px.size(); ++i) {
+      if (squared_px[i] < 0) continue;
+      if (std::isnan(squared_px[i])) {
+        ++sum.undrawn;
+        continue;
+      }
+      sum.px.add_squared(squared_px[i]);
+      worst = std::max(worst, squared_angle[i]);
     }
-    const double dz = drawn_z - true_z;
-    sum.px.add_squared(screen_.squared_px(c, dz));
-    const glm::dvec3 ray =
-        glm::dvec3(reference_.world_from_post().apply(p.col, p.row), true_z) - eye_;
-    const double angle = alpha_ * dz;
-    const double distance2 = glm::dot(ray, ray);
-    if (angle * angle > sum.max_angular_px * sum.max_angular_px * distance2) {
-      sum.max_angular_px = std::sqrt(angle * angle / distance2);
+    sum.max_angular_px = std::max(sum.max_angular_px, alpha_ * std::sqrt(worst));
+  }
+
+  // (delta / D)^2 of each post.
+  void squared_angles(const PostRow& row, const double* drawn_z, RowValues& out) const {
+    const glm::dvec2 start =
+        reference_.world_from_post().apply(row.first.col, row.first.row) - glm::dvec2(eye_);
+    const double dx = reference_.world_from_post().m[0];
+    const double dy = reference_.world_from_post().m[3];
+    for (int i = 0; i < Reference::kTilePosts; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const double x = start.x + i * dx;
+      const double y = start.y + i * dy;
+      const double z = row.true_z[k] - eye_.z;
+      const double delta = drawn_z[i] - row.true_z[k];
+      out[k] = delta * delta / (x * x + y * y + z * z);
     }
   }
 
@@ -79,8 +96,13 @@ void for_each_residual(const mesh::Surface& surface, const Reference& reference,
   PostHeights heights;
   for (const int tile : tiles) {
     drawn.read(tile, heights);
-    for_each_post(reference, tile, [&](Post p, std::size_t i) {
-      if (!std::isnan(heights[i])) visit({p, double{reference.dem()[p]}, heights[i]});
+    for_each_row(reference, tile, [&](const PostRow& row) {
+      for (int i = 0; i < Reference::kTilePosts; ++i) {
+        const double true_z = row.true_z[static_cast<std::size_t>(i)];
+        const double drawn_z = heights[row.offset + static_cast<std::size_t>(i)];
+        const Post post{row.first.col + i, row.first.row};
+        if (!std::isnan(true_z) && !std::isnan(drawn_z)) visit({post, true_z, drawn_z});
+      }
     });
   }
 }
