@@ -203,7 +203,7 @@ struct Renderer::Impl {
 
   void draw_sky() {
     glDepthFunc(GL_GEQUAL);  // only where nothing was drawn: the sky lies at depth 0
-    glUseProgram(programs.sky.get());
+    glUseProgram(programs.sky().get());
     glBindVertexArray(no_vertices.get());
     glDrawArrays(GL_TRIANGLES, 0, 3);
   }
@@ -267,7 +267,7 @@ void Renderer::draw(const View& view, const DrawList& list, const BlockSource& b
   r.send_frame();
   r.batches.place(list, blocks, style.morph ? Morph::kOn : Morph::kOff, r.arena);
   r.bind_vertices();
-  glUseProgram(r.programs.land(style).get());
+  glUseProgram(r.programs.land(style, r.frame.has.y != 0 ? Mask::kOn : Mask::kOff).get());
   r.batches.draw(r.arena);
   if (style.shading == Shading::kLand) r.draw_sky();
   r.count();
@@ -278,7 +278,7 @@ std::vector<float> Renderer::vertex_stage(const View& view, const DrawList& list
   Impl& r = *impl_;
   r.set_camera(view);
   r.send_frame();
-  const CaptureState state(r.programs.vertex_stage);
+  const CaptureState state(r.programs.vertex_stage());
   std::vector<float> drawn;
   DrawList one;
   one.vertices = list.vertices;

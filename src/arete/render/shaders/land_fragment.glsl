@@ -68,7 +68,9 @@ float edge_share() {
 void main() {
   vec2 posts_dx = dFdx(posts);
   vec2 posts_dy = dFdy(posts);
-  if (has.y != 0 && !is_valid(footprint(1, posts, posts_dx, posts_dy))) discard;
+#ifdef MASK
+  if (!is_valid(footprint(1, posts, posts_dx, posts_dy))) discard;
+#endif
   vec3 n = shading_normal(land_normal(posts_dx, posts_dy));
   vec3 light = lit(ground_colour(n, posts_dx, posts_dy), n);
   vec3 direction = normalize(from_eye);
