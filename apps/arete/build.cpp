@@ -26,7 +26,7 @@ struct BuildFlags {
   std::string methods = "all";
   Bytes memory{std::size_t{1} << 30U};
   std::optional<double> nodata;
-  std::optional<FrameSize> raw_size;
+  FrameSize raw_size{0, 0};
   Existing existing = Existing::kKeep;
   Talk talk = Talk::kNormal;
 };
@@ -56,7 +56,7 @@ void add_dem_flags(CLI::App& verb, BuildFlags& flags) {
   verb.add_option("--z-scale", dem.z_scale, "Vertical exaggeration")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
-  verb.add_option("--size", flags.raw_size, "Columns and rows of a .r16 or .r32 file")
+  add_quantity(verb, "--size", flags.raw_size, "Columns and rows of a .r16 or .r32 file")
       ->type_name("WxH");
   verb.add_option("--drape", flags.recipe.drape, "An image to lay over the land")
       ->type_name("IMAGE");
@@ -66,7 +66,8 @@ void add_work_flags(CLI::App& verb, BuildFlags& flags) {
   verb.add_option("--methods", flags.methods, "all, or names separated by commas")
       ->capture_default_str();
   add_settings(verb, flags.recipe.method_flags);
-  verb.add_option("--memory-limit", flags.memory, "Most bytes of memory [1G]")->type_name("BYTES");
+  add_quantity(verb, "--memory-limit", flags.memory, "Most bytes of memory [1G]")
+      ->type_name("BYTES");
   verb.add_option("--threads", flags.recipe.threads, "Threads to work with")
       ->capture_default_str()
       ->check(CLI::Range(1, 1024));
@@ -91,8 +92,8 @@ void run(BuildFlags& flags) {
   recipe.methods = method_list(flags.methods);
   recipe.memory_limit = flags.memory.count;
   recipe.dem.nodata = flags.nodata;
-  if (flags.raw_size) {
-    recipe.dem.raw_size = std::pair{flags.raw_size->width, flags.raw_size->height};
+  if (flags.raw_size.width != 0) {
+    recipe.dem.raw_size = std::pair{flags.raw_size.width, flags.raw_size.height};
   }
   const std::string before = store_id(flags.output);
   build_store(recipe, flags.output, flags.existing, flags.talk);

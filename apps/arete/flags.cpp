@@ -44,9 +44,9 @@ void add_quiet(CLI::App& verb, Talk& talk) {
 void add_flight(CLI::App& verb, FlightFlags& flags) {
   verb.add_option("--path", flags.path, "flyover, orbit, descent or a JSON file")
       ->capture_default_str();
-  verb.add_option("--size", flags.size, "Pixels [1280x720]")->type_name("WxH");
-  verb.add_option("--tolerance", flags.tolerance,
-                  "Largest screen error in pixels, or in % of the height [1]")
+  add_quantity(verb, "--size", flags.size, "Pixels [1280x720]")->type_name("WxH");
+  add_quantity(verb, "--tolerance", flags.tolerance,
+               "Largest screen error in pixels, or in % of the height [1]")
       ->type_name("PX|P%");
   verb.add_option("--scale", flags.scale,
                   "How metres become pixels: up (rigorous, camera without roll), rig (rigorous for "
@@ -64,11 +64,12 @@ void add_frames(CLI::App& verb, int& frames) {
 }
 
 void add_cache(CLI::App& verb, Bytes& cache) {
-  verb.add_option("--cache", cache, "Most bytes of terrain in memory [512M]")->type_name("BYTES");
+  add_quantity(verb, "--cache", cache, "Most bytes of terrain in memory [512M]")
+      ->type_name("BYTES");
 }
 
 void add_gpu_memory(CLI::App& verb, Bytes& gpu_memory) {
-  verb.add_option("--gpu-memory", gpu_memory, "Most bytes on the GPU [1G]")->type_name("BYTES");
+  add_quantity(verb, "--gpu-memory", gpu_memory, "Most bytes on the GPU [1G]")->type_name("BYTES");
 }
 
 double instant(const scene::Path& path, int i, int n) {

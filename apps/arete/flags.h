@@ -47,6 +47,18 @@ CLI::Option* add_choice(CLI::App& verb, const std::string& name, Value& value,
   return verb.add_option_function<std::string>(name, choose, help);
 }
 
+/// A flag whose value is a quantity.
+template <typename Quantity>
+CLI::Option* add_quantity(CLI::App& verb, const std::string& name, Quantity& quantity,
+                          const std::string& help) {
+  const auto read = [&quantity, name](const std::string& word) {
+    if (!parse(word, quantity)) {
+      throw CLI::ConversionError(word, name);
+    }
+  };
+  return verb.add_option_function<std::string>(name, read, help);
+}
+
 void add_terrain(CLI::App& verb, TerrainFlags& flags);
 void add_method(CLI::App& verb, std::string& method);
 void add_settings(CLI::App& verb, MethodFlags& flags);

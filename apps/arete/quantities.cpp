@@ -3,10 +3,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <istream>
-#include <limits>
 #include <optional>
-#include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -38,6 +35,12 @@ std::optional<double> unit_of(std::string_view suffix) {
     return std::nullopt;
   }
   return std::pow(1024.0, static_cast<double>(k + 1));
+}
+
+}  // namespace
+
+double Tolerance::pixels(int viewport_height) const {
+  return percent ? value / 100 * viewport_height : value;
 }
 
 bool parse(std::string_view text, Bytes& bytes) {
@@ -73,33 +76,6 @@ bool parse(std::string_view text, Tolerance& tolerance) {
   }
   tolerance = {*number, text == "%"};
   return true;
-}
-
-template <typename Quantity>
-std::istream& read(std::istream& in, Quantity& quantity) {
-  std::string word;
-  if (in >> word && !parse(word, quantity)) {
-    in.setstate(std::ios::failbit);
-  }
-  return in;
-}
-
-}  // namespace
-
-double Tolerance::pixels(int viewport_height) const {
-  return percent ? value / 100 * viewport_height : value;
-}
-
-std::istream& operator>>(std::istream& in, Bytes& bytes) {
-  return read(in, bytes);
-}
-
-std::istream& operator>>(std::istream& in, FrameSize& size) {
-  return read(in, size);
-}
-
-std::istream& operator>>(std::istream& in, Tolerance& tolerance) {
-  return read(in, tolerance);
 }
 
 std::string bytes_text(double bytes) {

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cstddef>
-#include <iosfwd>
 #include <string>
+#include <string_view>
 
 namespace arete::app {
 
@@ -24,10 +24,10 @@ struct Tolerance {
   double pixels(int viewport_height) const;
 };
 
-// Read from one word; the stream fails on anything else. CLI11 finds these by itself.
-std::istream& operator>>(std::istream& in, Bytes& bytes);
-std::istream& operator>>(std::istream& in, FrameSize& size);
-std::istream& operator>>(std::istream& in, Tolerance& tolerance);
+/// Reads the whole text; false, with the quantity as it was, when it is anything else.
+bool parse(std::string_view text, Bytes& bytes);
+bool parse(std::string_view text, FrameSize& size);
+bool parse(std::string_view text, Tolerance& tolerance);
 
 /// "3.2 MiB": for people.
 std::string bytes_text(double bytes);

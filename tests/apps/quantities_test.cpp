@@ -1,6 +1,5 @@
 #include "quantities.h"
 
-#include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -12,12 +11,6 @@
 namespace arete::app {
 namespace {
 
-template <typename Quantity>
-bool reads(const std::string& text, Quantity& quantity) {
-  std::istringstream in(text);
-  return static_cast<bool>(in >> quantity);
-}
-
 TEST(Quantities, Bytes) {
   Bytes bytes;
   for (const auto& [text, count] : {std::pair<const char*, std::size_t>{"4096", 4096},
@@ -25,35 +18,35 @@ TEST(Quantities, Bytes) {
                                     {"512M", std::size_t{512} << 20U},
                                     {"1.5GiB", std::size_t{3} << 29U}}) {
     SCOPED_TRACE(text);
-    EXPECT_TRUE(reads(text, bytes));
+    EXPECT_TRUE(parse(text, bytes));
     EXPECT_EQ(bytes.count, count);
   }
   for (const char* text : {"", "M", "2gb", "-1M", "0", "1X", "1M2", "inf", "nan", "1e30"}) {
     SCOPED_TRACE(text);
-    EXPECT_FALSE(reads(text, bytes));
+    EXPECT_FALSE(parse(text, bytes));
   }
 }
 
 TEST(Quantities, FrameSize) {
   FrameSize size;
-  EXPECT_TRUE(reads("640x360", size));
+  EXPECT_TRUE(parse("640x360", size));
   EXPECT_EQ(size.width, 640);
   EXPECT_EQ(size.height, 360);
   for (const char* text : {"", "640", "640x", "x360", "0x1", "640x-1", "640x360x1", "99999x1"}) {
     SCOPED_TRACE(text);
-    EXPECT_FALSE(reads(text, size));
+    EXPECT_FALSE(parse(text, size));
   }
 }
 
 TEST(Quantities, Tolerance) {
   Tolerance tolerance;
-  EXPECT_TRUE(reads("0.5", tolerance));
+  EXPECT_TRUE(parse("0.5", tolerance));
   EXPECT_DOUBLE_EQ(tolerance.pixels(720), 0.5);
-  EXPECT_TRUE(reads("0.25%", tolerance));
+  EXPECT_TRUE(parse("0.25%", tolerance));
   EXPECT_DOUBLE_EQ(tolerance.pixels(720), 1.8);
   for (const char* text : {"", "0", "-1", "1px", "%", "inf"}) {
     SCOPED_TRACE(text);
-    EXPECT_FALSE(reads(text, tolerance));
+    EXPECT_FALSE(parse(text, tolerance));
   }
 }
 
