@@ -18,11 +18,11 @@ struct DemOptions {
   int band = 0;  ///< 0 = the first, with a note when there are several
   Encoding encoding = Encoding::kNone;
   Unit unit = Unit::kFromFile;
-  std::optional<double> nodata;  ///< besides what the file declares
-  double z_scale = 1;            ///< vertical exaggeration
-  std::string source_crs;        ///< "EPSG:N" in place of the file's; empty = the file's
-  std::string crs;               ///< reproject to "EPSG:N"; empty = leave the posts as they are
-  std::optional<std::pair<int, int>> raw_size;  ///< columns, rows of .r16/.r32
+  std::optional<double> nodata{};  ///< besides what the file declares
+  double z_scale = 1;              ///< vertical exaggeration
+  std::string source_crs{};        ///< "EPSG:N" in place of the file's; empty = the file's
+  std::string crs{};               ///< reproject to "EPSG:N"; empty = leave the posts as they are
+  std::optional<std::pair<int, int>> raw_size{};  ///< columns, rows of .r16/.r32
   int max_side = 1 << 24;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <mutex>
+#include <regex>
 #include <string_view>
 
 #include <cpl_conv.h>
@@ -60,6 +61,13 @@ void set_options() {
   CPLSetConfigOption("GDAL_CACHEMAX", "128");   // MiB
   CPLSetConfigOption("GDAL_NUM_THREADS", "2");  // GTiff's decoding and encoding
   OSRSetPROJEnableNetwork(0);
+}
+
+// GDAL names whole paths; messages keep to the file's own name. A path begins at a '/' that no
+// name stands before, and its last '/' ends what is dropped.
+std::string without_folders(const std::string& text) {
+  static const std::regex folders("(^|[\\s:'\"(])/(?:[^\\s:'\"(]*/)*");
+  return std::regex_replace(text, folders, "$1");
 }
 
 CPLStringList driver_list(Purpose purpose) {
@@ -165,8 +173,8 @@ void Messages::hear(CPLErr level, CPLErrorNum, const char* text) {
 }
 
 std::string Messages::text(const std::string& otherwise) const {
-  if (!failure_.empty()) return failure_;
-  return warning_.empty() ? otherwise : warning_;
+  if (!failure_.empty()) return without_folders(failure_);
+  return warning_.empty() ? otherwise : without_folders(warning_);
 }
 
 std::string display_name(const fs::path& file) {
@@ -175,15 +183,6 @@ std::string display_name(const fs::path& file) {
 
 namespace {
 
-// GDAL names the whole path; messages keep to the file's own name.
-std::string without_folder(std::string text, const fs::path& path) {
-  const std::string folder = path.parent_path().native() + "/";
-  for (std::size_t at = text.find(folder); at != text.npos; at = text.find(folder, at)) {
-    text.erase(at, folder.size());
-  }
-  return text;
-}
-
 [[noreturn]] void throw_unreadable(const fs::path& path, const Messages& messages) {
   const std::string name = display_name(path);
   const std::string extension = path.extension().native();
@@ -191,11 +190,10 @@ std::string without_folder(std::string text, const fs::path& path) {
     throw Error(ErrorCode::kUnsupported,
                 fmt::format("{}: a side file: name the data file beside it", name));
   }
-  throw Error(
-      ErrorCode::kUnsupported,
-      fmt::format("{}: not readable ({}): convert it to GeoTIFF, or fetch it again if it "
-                  "is one",
-                  name, without_folder(messages.text("no driver knows this format"), path)));
+  throw Error(ErrorCode::kUnsupported,
+              fmt::format("{}: not readable ({}): convert it to GeoTIFF, or fetch it again if it "
+                          "is one",
+                          name, messages.text("no driver knows this format")));
 }
 
 }  // namespace

@@ -25,7 +25,8 @@ class Messages {
   ~Messages();
   Messages(const Messages&) = delete;
   Messages& operator=(const Messages&) = delete;
-  /// The first failure in one line, else the last warning, else `otherwise`.
+  /// The first failure in one line, else the last warning, else `otherwise`; without the folders of
+  /// absolute paths.
   std::string text(const std::string& otherwise) const;
   bool failed() const { return !failure_.empty(); }
 

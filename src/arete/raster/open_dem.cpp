@@ -112,7 +112,7 @@ std::unique_ptr<DemFile> open_gdal(const fs::path& file, const DemOptions& optio
     bands.resize(static_cast<std::size_t>(parts.format.bands));
   } else {
     bands = {pick_band(*dataset, options, name, notes)};
-    parts.format.rule = value_rule(*dataset->GetRasterBand(bands.front()), options, notes);
+    parts.format.rule = value_rule(*dataset->GetRasterBand(bands.front()), options, name, notes);
   }
   parts.reopen = [file, bands, cols = parts.cols, rows = parts.rows,
                   type = parts.format.rule.type] {

@@ -195,12 +195,13 @@ ValueRule plain_rule(GDALDataType type, const DemOptions& options) {
   return rule;
 }
 
-ValueRule value_rule(GDALRasterBand& band, const DemOptions& options,
+ValueRule value_rule(GDALRasterBand& band, const DemOptions& options, const std::string& name,
                      std::vector<std::string>& notes) {
   ValueRule rule;
   rule.type = band.GetRasterDataType();
   if (rule.type == GDT_Unknown || GDALDataTypeIsComplex(rule.type) != 0) {
-    throw Error(ErrorCode::kUnsupported, "complex samples are not heights");
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("{}: its samples are complex numbers: name another --band", name));
   }
   const char* pixel_type = band.GetMetadataItem("PIXELTYPE", "IMAGE_STRUCTURE");
   rule.signed_byte = pixel_type != nullptr && std::string_view(pixel_type) == "SIGNEDBYTE";

@@ -35,7 +35,7 @@ struct ValueRule {
 
 /// The rule of a band under the options; notes get a sentence for what was assumed. Throws:
 /// kUnsupported for complex samples.
-ValueRule value_rule(GDALRasterBand& band, const DemOptions& options,
+ValueRule value_rule(GDALRasterBand& band, const DemOptions& options, const std::string& name,
                      std::vector<std::string>& notes);
 
 /// The rule of samples that nothing is declared about.

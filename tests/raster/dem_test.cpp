@@ -1,0 +1,470 @@
+#include "arete/raster/dem.h"
+
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <random>
+
+#include <cpl_conv.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "arete/core/error.h"
+
+#include "raster/grid_files.h"
+
+namespace arete::raster {
+namespace {
+
+using namespace testing;  // NOLINT: the room's own helpers
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::FloatEq;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::NanSensitiveFloatEq;
+using ::testing::Not;
+
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
+class DemTest : public ::testing::Test {
+ protected:
+  std::unique_ptr<HeightSource> open(const GridFile& grid, const DemOptions& options = {}) {
+    const auto file = dir_ / ("dem" + std::to_string(next_++) + ".tif");
+    write_grid(file, grid);
+    return open_dem({file}, options);
+  }
+
+  ErrorCode code_of(const std::vector<std::filesystem::path>& files,
+                    const DemOptions& options = {}) {
+    try {
+      read_all(*open_dem(files, options));
+    } catch (const Error& error) {
+      text_ = error.what();
+      EXPECT_EQ(text_.find('\n'), std::string::npos) << text_;
+      return error.code();
+    }
+    ADD_FAILURE() << "opened and read " << files.front();
+    return ErrorCode::kUsage;
+  }
+
+  TempDir dir_;
+  int next_ = 0;
+  std::string text_;
+};
+
+TEST_F(DemTest, EveryRealSampleTypeReadsAsItIs) {
+  for (const GDALDataType type : {GDT_Byte, GDT_Int16, GDT_UInt16, GDT_Int32, GDT_UInt32, GDT_Int64,
+                                  GDT_UInt64, GDT_Float32, GDT_Float64}) {
+    SCOPED_TRACE(GDALGetDataTypeName(type));
+    const auto dem = open({.cols = 2, .rows = 2, .type = type, .values = {0, 7, 100, 255}});
+    EXPECT_THAT(read_all(*dem), ElementsAre(0, 7, 100, 255));
+    EXPECT_EQ(dem->lattice().integer, GDALDataTypeIsInteger(type) != 0);
+  }
+}
+
+TEST_F(DemTest, RowsComeInAnyOrder) {
+  std::vector<double> values(1000);
+  std::mt19937 random(7);
+  for (double& v : values) v = static_cast<double>(random() % 4000);
+  const auto dem = open({.cols = 10,
+                         .rows = 100,
+                         .values = values,
+                         .options = {"TILED=YES", "BLOCKXSIZE=16", "BLOCKYSIZE=16"}});
+  std::vector<float> row(10);
+  for (int k = 0; k < 200; ++k) {
+    const auto r = static_cast<int>(random() % 100);
+    dem->read_row(r, row);
+    for (std::size_t c = 0; c < 10; ++c) {
+      EXPECT_EQ(row[c], values[static_cast<std::size_t>(r) * 10 + c]);
+    }
+  }
+}
+
+TEST_F(DemTest, ComplexSamplesAreRefused) {
+  write_grid(dir_ / "c.tif", {.type = GDT_CFloat32});
+  EXPECT_EQ(code_of({dir_ / "c.tif"}), ErrorCode::kUnsupported);
+  EXPECT_THAT(text_, HasSubstr("c.tif: "));
+}
+
+TEST_F(DemTest, DeclaredNodataIsComparedInTheSourceTypeBeforeScaling) {
+  const auto dem = open({.cols = 3,
+                         .rows = 1,
+                         .values = {-32768, 10, -3276},
+                         .nodata = -32768,
+                         .scale = 0.5,
+                         .offset = 100});
+  EXPECT_THAT(read_all(*dem), ElementsAre(NanSensitiveFloatEq(kNone), 105, -1538));
+  EXPECT_EQ(dem->lattice().step_m, 0.5);
+  EXPECT_EQ(dem->lattice().offset_m, 100);
+}
+
+TEST_F(DemTest, FloatNodataMatchesWithinOneUlpAndNoFurther) {
+  const float nodata = -3.4028235e38F;
+  const double near = std::nextafter(-9999.0F, 0.0F);
+  const double further = std::nextafter(std::nextafter(-9999.0F, 0.0F), 0.0F);
+  const auto dem = open({.cols = 4,
+                         .rows = 1,
+                         .type = GDT_Float32,
+                         .values = {-9999, near, further, 5},
+                         .nodata = -9999});
+  EXPECT_THAT(read_all(*dem), ElementsAre(NanSensitiveFloatEq(kNone), NanSensitiveFloatEq(kNone),
+                                          static_cast<float>(further), 5));
+  const auto far = open({.cols = 2,
+                         .rows = 1,
+                         .type = GDT_Float32,
+                         .values = {static_cast<double>(nodata), 5},
+                         .nodata = -3.40282346639e38});
+  EXPECT_THAT(read_all(*far), ElementsAre(NanSensitiveFloatEq(kNone), 5));
+}
+
+TEST_F(DemTest, NanIsNoDataAndOptionAddsToTheDeclaredValue) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto dem = open(
+      {.cols = 4, .rows = 1, .type = GDT_Float64, .values = {nan, -9999, 0, 8}, .nodata = -9999},
+      {.nodata = 0});
+  EXPECT_THAT(read_all(*dem), ElementsAre(NanSensitiveFloatEq(kNone), NanSensitiveFloatEq(kNone),
+                                          NanSensitiveFloatEq(kNone), 8));
+}
+
+TEST_F(DemTest, NodataThatTheTypeCannotHoldMatchesNothing) {
+  const auto dem =
+      open({.cols = 3, .rows = 1, .type = GDT_Byte, .values = {0, 241, 255}}, {.nodata = -9999});
+  EXPECT_THAT(read_all(*dem), ElementsAre(0, 241, 255));
+  const auto half = open({.cols = 2, .rows = 1, .values = {0, 1}}, {.nodata = 0.5});
+  EXPECT_THAT(read_all(*half), ElementsAre(0, 1));
+}
+
+TEST_F(DemTest, UndeclaredSpellingsAreKeptAndNamed) {
+  for (const double spelling : {-32768.0, -32767.0, -9999.0}) {
+    const auto dem = open({.cols = 3, .rows = 1, .values = {1, spelling, spelling}});
+    EXPECT_THAT(read_all(*dem), ElementsAre(1, spelling, spelling));
+    EXPECT_THAT(dem->georef().notes,
+                Contains(HasSubstr("2 of 3 posts read hold " +
+                                   std::to_string(static_cast<int>(spelling)))));
+    const auto declared =
+        open({.cols = 3, .rows = 1, .values = {1, spelling, spelling}, .nodata = spelling});
+    EXPECT_THAT(declared->georef().notes, IsEmpty());
+  }
+}
+
+TEST_F(DemTest, InfiniteAndImplausibleValuesAreNoDataAndCounted) {
+  const auto dem =
+      open({.cols = 5,
+            .rows = 1,
+            .type = GDT_Float32,
+            .values = {1e20, -3.4e38, std::numeric_limits<double>::infinity(), 999999, -1000001}});
+  EXPECT_THAT(read_all(*dem),
+              ElementsAre(NanSensitiveFloatEq(kNone), NanSensitiveFloatEq(kNone),
+                          NanSensitiveFloatEq(kNone), 999999, NanSensitiveFloatEq(kNone)));
+  EXPECT_THAT(dem->georef().notes, Contains(HasSubstr("4 of 5 posts read are infinite")));
+}
+
+TEST_F(DemTest, NotesCountEachRowOnce) {
+  GridFile grid{.cols = 2, .rows = 3000, .values = {5, 5}};
+  grid.values.resize(6000, 5);
+  grid.values[5999] = -9999;
+  const auto dem = open(grid);
+  for (int pass = 0; pass < 2; ++pass) read_all(*dem);
+  EXPECT_THAT(dem->georef().notes, Contains(HasSubstr("1 of 6000 posts read hold -9999")));
+}
+
+TEST_F(DemTest, UnitsOfFileAndOption) {
+  struct Case {
+    const char* name;
+    double metres;
+  };
+  for (const Case& c : {Case{"ft", 0.3048}, Case{"feet", 0.3048}, Case{"m", 1}, Case{"Metre", 1},
+                        Case{"us-ft", 1200.0 / 3937}, Case{"US survey foot", 1200.0 / 3937}}) {
+    SCOPED_TRACE(c.name);
+    const auto dem = open({.cols = 1, .rows = 1, .values = {1000}, .unit = c.name});
+    EXPECT_THAT(read_all(*dem), ElementsAre(FloatEq(static_cast<float>(1000 * c.metres))));
+    EXPECT_DOUBLE_EQ(dem->lattice().step_m, c.metres);
+  }
+  const auto odd = open({.cols = 1, .rows = 1, .values = {3}, .unit = "fathom"});
+  EXPECT_THAT(odd->georef().notes, Contains(HasSubstr("fathom")));
+  const auto option =
+      open({.cols = 1, .rows = 1, .values = {1000}, .unit = "m"}, {.unit = Unit::kFoot});
+  EXPECT_THAT(read_all(*option), ElementsAre(FloatEq(304.8F)));
+}
+
+TEST_F(DemTest, VerticalScaleMultipliesLast) {
+  const auto dem =
+      open({.cols = 2, .rows = 1, .values = {100, -9999}, .nodata = -9999, .unit = "ft"},
+           {.z_scale = 2});
+  EXPECT_THAT(read_all(*dem), ElementsAre(FloatEq(60.96F), NanSensitiveFloatEq(kNone)));
+  EXPECT_DOUBLE_EQ(dem->lattice().step_m, 0.6096);
+  write_grid(dir_ / "z.tif", {});
+  EXPECT_EQ(code_of({dir_ / "z.tif"}, {.z_scale = 0}), ErrorCode::kUsage);
+}
+
+TEST_F(DemTest, LatticeHoldsForEveryHeight) {
+  std::mt19937 random(3);
+  for (const double scale : {1.0, 0.1, 0.25, 0.001}) {
+    std::vector<double> values(64);
+    for (double& v : values) v = static_cast<double>(static_cast<int>(random() % 60000) - 30000);
+    const auto dem = open({.cols = 8, .rows = 8, .values = values, .scale = scale, .offset = 12.5});
+    const HeightLattice lattice = dem->lattice();
+    ASSERT_TRUE(lattice.integer);
+    const std::vector<float> heights = read_all(*dem);
+    for (std::size_t i = 0; i < heights.size(); ++i) {
+      const double n = (static_cast<double>(heights[i]) - lattice.offset_m) / lattice.step_m;
+      EXPECT_EQ(std::round(n), values[i]);
+    }
+  }
+}
+
+TEST_F(DemTest, NoLatticeWhereFloatCannotTellItsPointsApart) {
+  EXPECT_FALSE(open({.type = GDT_Int32, .scale = 0.001})->lattice().integer);
+  EXPECT_FALSE(open({.type = GDT_Int16, .scale = 0.001, .offset = 900000})->lattice().integer);
+}
+
+TEST_F(DemTest, PostIsThePixelCentreForAreaAndPoint) {
+  for (const char* kind : {"AREA", "POINT"}) {
+    const auto file = dir_ / (std::string(kind) + ".tif");
+    write_grid(file, {});
+    {
+      const GDALDatasetUniquePtr dataset(
+          GDALDataset::Open(file.c_str(), GDAL_OF_RASTER | GDAL_OF_UPDATE));
+      dataset->SetMetadataItem("AREA_OR_POINT", kind[0] == 'A' ? "Area" : "Point");
+    }
+    const Georef georef = open_dem({file})->georef();
+    EXPECT_EQ(georef.crs_from_post.apply(0, 0), glm::dvec2(500015, 3999985)) << kind;
+    EXPECT_EQ(georef.world_from_post, (Affine2{{30, 0, 0, 0, -30, 0}}));
+    EXPECT_EQ(georef.crs_name, "WGS 84 / UTM zone 11N (EPSG:32611)");
+  }
+}
+
+TEST_F(DemTest, SouthUpAndMirroredGridsAreTurned) {
+  const auto south = open({.geotransform = {500000, 30, 0, 3999910, 0, 30}});
+  EXPECT_THAT(read_all(*south), ElementsAre(9, 10, 11, 12, 5, 6, 7, 8, 1, 2, 3, 4));
+  EXPECT_EQ(south->georef().crs_from_post.apply(0, 0), glm::dvec2(500015, 3999985));
+  EXPECT_EQ(south->georef().world_from_post, (Affine2{{30, 0, 0, 0, -30, 0}}));
+  const auto west = open({.geotransform = {500120, -30, 0, 4000000, 0, -30}});
+  EXPECT_THAT(read_all(*west), ElementsAre(4, 3, 2, 1, 8, 7, 6, 5, 12, 11, 10, 9));
+  EXPECT_EQ(west->georef().crs_from_post.apply(0, 0), glm::dvec2(500015, 3999985));
+}
+
+TEST_F(DemTest, RotationAndShearAreKept) {
+  const auto dem = open({.geotransform = {500000, 26, 15, 4000000, 15, -26}});
+  EXPECT_EQ(dem->georef().world_from_post, (Affine2{{26, 15, 0, 15, -26, 0}}));
+  EXPECT_EQ(dem->georef().crs_from_post.apply(0, 0), glm::dvec2(500020.5, 3999994.5));
+}
+
+TEST_F(DemTest, ProjectedUnitsBecomeMetres) {
+  const auto dem = open({.geotransform = {0, 100, 0, 0, 0, -100}, .crs = "EPSG:2263"});
+  const auto& m = dem->georef().world_from_post.m;
+  EXPECT_NEAR(m[0], 100 * 1200.0 / 3937, 1e-9);
+  EXPECT_NEAR(m[4], -100 * 1200.0 / 3937, 1e-9);
+}
+
+TEST_F(DemTest, DegreesBecomeMetresAtTheCentreLatitude) {
+  const double arc = 1.0 / 1200;
+  const auto dem = open({.cols = 3,
+                         .rows = 3,
+                         .values = {1},
+                         .geotransform = {189.5, arc, 0, 60 + 1.5 * arc, 0, -arc},
+                         .crs = "EPSG:4326"});
+  const auto& m = dem->georef().world_from_post.m;
+  const double step = 6378137 * arc * M_PI / 180;
+  EXPECT_NEAR(m[0], step * 0.5, 1e-6);
+  EXPECT_NEAR(m[4], -step, 1e-6);
+  EXPECT_NEAR(dem->georef().crs_from_post.m[2], 189.5 + arc / 2, 1e-12) << "past 180 is kept";
+}
+
+TEST_F(DemTest, OtherBodiesHaveTheirOwnRadius) {
+  const auto dem = open({.cols = 3,
+                         .rows = 3,
+                         .values = {1},
+                         .geotransform = {10, 0.25, 0, 0.375, 0, -0.25},
+                         .crs = "GEOGCS[\"Mars 2000\",DATUM[\"D_Mars_2000\",SPHEROID[\"Mars_2000\","
+                                "3396190,169.89]],PRIMEM[\"Reference_Meridian\",0],"
+                                "UNIT[\"degree\",0.0174532925199433]]"});
+  EXPECT_NEAR(dem->georef().world_from_post.m[0], 3396190 * 0.25 * M_PI / 180, 1e-3);
+}
+
+TEST_F(DemTest, WebMercatorIsShrunkToTrueLength) {
+  const double y60 = 6378137 * std::log(std::tan(M_PI / 4 + M_PI / 6));
+  const auto dem = open({.cols = 3,
+                         .rows = 3,
+                         .values = {1},
+                         .geotransform = {0, 100, 0, y60 + 150, 0, -100},
+                         .crs = "EPSG:3857"});
+  EXPECT_NEAR(dem->georef().world_from_post.m[0], 50, 1e-6);
+  EXPECT_NEAR(dem->georef().world_from_post.m[4], -50, 1e-6);
+}
+
+TEST_F(DemTest, ImpossibleGeotransformsGiveOneMetreAndANote) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<std::vector<double>> cases = {
+      {}, {nan, 30, 0, 0, 0, -30}, {0, 30, 0, 0, 30, 0}, {0, HUGE_VAL, 0, 0, 0, -30}};
+  for (const auto& gt : cases) {
+    const auto dem = open({.geotransform = gt});
+    EXPECT_EQ(dem->georef().world_from_post, Affine2{});
+    EXPECT_THAT(dem->georef().notes, Contains(HasSubstr("1 m apart")));
+  }
+}
+
+TEST_F(DemTest, SourceCrsReplacesTheFiles) {
+  const double arc = 1.0 / 1200;
+  const GridFile grid{.geotransform = {-106, arc, 0, 38, 0, -arc}, .crs = ""};
+  const auto assumed = open(grid);
+  EXPECT_EQ(assumed->georef().crs_name, "WGS 84 (EPSG:4326)");
+  EXPECT_THAT(assumed->georef().notes, Contains(HasSubstr("no CRS")));
+  const auto named = open(grid, {.source_crs = "EPSG:4267"});
+  EXPECT_EQ(named->georef().crs_name, "NAD27 (EPSG:4267)");
+  EXPECT_THAT(named->georef().notes, IsEmpty());
+  write_grid(dir_ / "x.tif", grid);
+  EXPECT_EQ(code_of({dir_ / "x.tif"}, {.source_crs = "EPSG:none"}), ErrorCode::kInvalidInput);
+}
+
+TEST_F(DemTest, SeveralBandsGiveTheFirstWithANote) {
+  const GridFile grid{.cols = 1, .rows = 1, .bands = 2, .values = {3, 4}};
+  const auto first = open(grid);
+  EXPECT_THAT(read_all(*first), ElementsAre(3));
+  EXPECT_THAT(first->georef().notes, Contains(HasSubstr("2 bands")));
+  const auto second = open(grid, {.band = 2});
+  EXPECT_THAT(read_all(*second), ElementsAre(4));
+  EXPECT_THAT(second->georef().notes, IsEmpty());
+  write_grid(dir_ / "b.tif", grid);
+  EXPECT_EQ(code_of({dir_ / "b.tif"}, {.band = 3}), ErrorCode::kInvalidInput);
+}
+
+TEST_F(DemTest, PicturesNeedABandOrAnEncoding) {
+  const GridFile grid{.cols = 1,
+                      .rows = 1,
+                      .bands = 3,
+                      .type = GDT_Byte,
+                      .values = {1, 134, 160},
+                      .options = {"PHOTOMETRIC=RGB"}};
+  write_grid(dir_ / "rgb.tif", grid);
+  EXPECT_EQ(code_of({dir_ / "rgb.tif"}), ErrorCode::kInvalidInput);
+  EXPECT_THAT(text_, HasSubstr("--encoding"));
+  EXPECT_THAT(read_all(*open(grid, {.band = 2})), ElementsAre(134));
+  const auto mapbox = open(grid, {.encoding = Encoding::kTerrainRgb});
+  EXPECT_THAT(read_all(*mapbox), ElementsAre(FloatEq(0.0F)));
+  EXPECT_DOUBLE_EQ(mapbox->lattice().step_m, 0.1);
+  EXPECT_DOUBLE_EQ(mapbox->lattice().offset_m, -10000);
+}
+
+TEST_F(DemTest, TerrariumAndTransparentPixels) {
+  const auto dem = open({.cols = 2,
+                         .rows = 1,
+                         .bands = 4,
+                         .type = GDT_Byte,
+                         .values = {128, 128, 10, 10, 64, 0, 255, 0},
+                         .options = {"PHOTOMETRIC=RGB", "ALPHA=YES"}},
+                        {.encoding = Encoding::kTerrarium});
+  EXPECT_THAT(read_all(*dem), ElementsAre(10.25F, NanSensitiveFloatEq(kNone)));
+  EXPECT_DOUBLE_EQ(dem->lattice().step_m, 1.0 / 256);
+}
+
+TEST_F(DemTest, RawFilesBySideOrBySize) {
+  const std::vector<std::uint16_t> shorts{1, 2, 300, 65535};
+  write_text(dir_ / "a.r16", {reinterpret_cast<const char*>(shorts.data()), 8});
+  const auto square = open_dem({dir_ / "a.r16"});
+  EXPECT_EQ(square->cols(), 2);
+  EXPECT_THAT(read_all(*square), ElementsAre(1, 2, 300, 65535));
+  const auto wide = open_dem({dir_ / "a.r16"}, {.raw_size = {{4, 1}}});
+  EXPECT_EQ(wide->rows(), 1);
+  const std::vector<float> floats{0.5F, -2, kNone};
+  write_text(dir_ / "b.r32", {reinterpret_cast<const char*>(floats.data()), 12});
+  EXPECT_EQ(code_of({dir_ / "b.r32"}), ErrorCode::kInvalidInput);
+  const auto column = open_dem({dir_ / "b.r32"}, {.raw_size = {{1, 3}}});
+  EXPECT_THAT(read_all(*column), ElementsAre(0.5F, -2, NanSensitiveFloatEq(kNone)));
+  EXPECT_EQ(code_of({dir_ / "none.r16"}), ErrorCode::kNotFound);
+}
+
+TEST_F(DemTest, OtherFormatsGiveTheSamePosts) {
+  GridFile grid{.cols = 20, .rows = 10, .nodata = -9999};
+  grid.values.clear();
+  for (int i = 0; i < 200; ++i) grid.values.push_back(i % 17 == 0 ? -9999 : 100 + i);
+  write_grid(dir_ / "base.tif", grid);
+  const std::vector<float> expected = read_all(*open_dem({dir_ / "base.tif"}));
+  struct Case {
+    const char *driver, *name;
+  };
+  for (const Case& c : {Case{"AAIGrid", "a.asc"}, Case{"HFA", "b.img"}, Case{"netCDF", "a.nc"},
+                        Case{"GSAG", "a.grd"}}) {
+    SCOPED_TRACE(c.driver);
+    convert(dir_ / "base.tif", dir_ / c.name, c.driver);
+    const auto dem = open_dem({dir_ / c.name});
+    const std::vector<float> heights = read_all(*dem);
+    ASSERT_EQ(heights.size(), expected.size());
+    for (std::size_t i = 0; i < heights.size(); ++i) {
+      if (std::isnan(expected[i])) {
+        EXPECT_TRUE(std::isnan(heights[i])) << i;
+      } else {
+        EXPECT_EQ(heights[i], expected[i]) << i;
+      }
+    }
+    const Affine2 world = dem->georef().world_from_post;
+    EXPECT_NEAR(world.m[0], 30, 1e-6);
+    EXPECT_NEAR(world.m[4], -30, 1e-6);
+  }
+}
+
+TEST_F(DemTest, SideFilesOfEhdrAreFound) {
+  const std::vector<std::int16_t> samples{1, 2, -9999, 4, 5, 6};
+  write_text(dir_ / "a.bil", {reinterpret_cast<const char*>(samples.data()), 12});
+  write_text(dir_ / "a.hdr",
+             "BYTEORDER I\nLAYOUT BIL\nNROWS 2\nNCOLS 3\nNBANDS 1\nNBITS 16\nPIXELTYPE SIGNEDINT\n"
+             "ULXMAP 100\nULYMAP 200\nXDIM 10\nYDIM 10\nNODATA -9999\n");
+  const auto dem = open_dem({dir_ / "a.bil"});
+  EXPECT_THAT(read_all(*dem), ElementsAre(1, 2, NanSensitiveFloatEq(kNone), 4, 5, 6));
+  EXPECT_EQ(dem->georef().crs_from_post.apply(0, 0), glm::dvec2(100, 200));
+  EXPECT_EQ(code_of({dir_ / "a.hdr"}), ErrorCode::kUnsupported);
+  EXPECT_THAT(text_, HasSubstr("side file"));
+}
+
+TEST_F(DemTest, ZippedDemOpensIfItIsTheOnlyOne) {
+  write_grid(dir_ / "in.tif", {});
+  const auto zip = [&](const std::string& archive, const std::vector<std::string>& members) {
+    void* file = CPLCreateZip((dir_ / archive).c_str(), nullptr);
+    std::ifstream in(dir_ / "in.tif", std::ios::binary);
+    std::string bytes{std::istreambuf_iterator<char>(in), {}};
+    for (const std::string& member : members) {
+      CPLCreateFileInZip(file, member.c_str(), nullptr);
+      CPLWriteFileInZip(file, bytes.data(), static_cast<int>(bytes.size()));
+      CPLCloseFileInZip(file);
+    }
+    CPLCloseZip(file);
+  };
+  zip("one.zip", {"readme.txt", "deep/dem.tif"});
+  EXPECT_EQ(read_all(*open_dem({dir_ / "one.zip"})), read_all(*open_dem({dir_ / "in.tif"})));
+  zip("two.zip", {"a.tif", "b.tif"});
+  EXPECT_EQ(code_of({dir_ / "two.zip"}), ErrorCode::kInvalidInput);
+  zip("none.zip", {"readme.txt"});
+  EXPECT_EQ(code_of({dir_ / "none.zip"}), ErrorCode::kInvalidInput);
+  write_text(dir_ / "broken.zip", "PK no archive");
+  EXPECT_EQ(code_of({dir_ / "broken.zip"}), ErrorCode::kInvalidInput);
+}
+
+TEST_F(DemTest, DamageIsToldWithItsRow) {
+  GridFile grid{.cols = 64, .rows = 64, .options = {"COMPRESS=DEFLATE", "BLOCKYSIZE=8"}};
+  grid.values.clear();
+  std::mt19937 random(11);
+  for (int i = 0; i < 64 * 64; ++i) grid.values.push_back(static_cast<double>(random() % 3000));
+  write_grid(dir_ / "d.tif", grid);
+  const auto whole = read_all(*open_dem({dir_ / "d.tif"}));
+  std::filesystem::resize_file(dir_ / "d.tif", std::filesystem::file_size(dir_ / "d.tif") / 2);
+  EXPECT_THAT(whole, Not(IsEmpty()));
+  const ErrorCode code = code_of({dir_ / "d.tif"});
+  EXPECT_TRUE(code == ErrorCode::kCorrupt || code == ErrorCode::kUnsupported);
+  EXPECT_THAT(text_, HasSubstr("d.tif: "));
+}
+
+TEST_F(DemTest, AbsentAndForeignFilesAreRefused) {
+  EXPECT_EQ(code_of({dir_ / "none.tif"}), ErrorCode::kNotFound);
+  EXPECT_EQ(code_of({dir_.path()}), ErrorCode::kInvalidInput);
+  write_text(dir_ / "t.tif", "not a picture");
+  EXPECT_EQ(code_of({dir_ / "t.tif"}), ErrorCode::kUnsupported);
+  write_grid(dir_ / "big.tif", {.cols = 100, .rows = 2});
+  EXPECT_EQ(code_of({dir_ / "big.tif"}, {.max_side = 99}), ErrorCode::kLimit);
+  EXPECT_EQ(code_of({}), ErrorCode::kUsage);
+}
+
+}  // namespace
+}  // namespace arete::raster
