@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "arete/store/bytes.h"
-#include "arete/store/height_band.h"
 #include "arete/store/height_codec.h"
+#include "arete/store/height_patch.h"
 
 namespace arete::store {
 namespace {

@@ -14,7 +14,8 @@
 #include "arete/store/manifest.h"
 #include "arete/store/part_directory.h"
 #include "arete/store/publish.h"
-#include "arete/store/recipes.h"
+#include "arete/store/raster_build.h"
+#include "arete/store/raster_pyramid.h"
 #include "arete/store/store_builder.h"
 
 namespace arete::store {
@@ -63,18 +64,25 @@ void require_same_heights(HeightSource& source, const fs::path& store) {
                 store.string() + ": holds another terrain: choose another output or use --force");
 }
 
+void write_derived(const std::string& name, const RasterRecipe& recipe,
+                   const SegmentReader& heights, StoreBuilder& builder) {
+  const std::string params = raster_params(recipe.shape, "of heights " + heights.id());
+  if (const auto finished = builder.find_finished(name); finished && finished->params() == params)
+    return builder.record(*finished);
+  const PyramidShape shape{builder.manifest.cols, builder.manifest.rows};
+  const UnitFolder folder = builder.units(name, params);
+  const int units = make_raster_units(recipe, shape, tiles_of(heights), folder, builder.context());
+  builder.assemble_all(folder, units, name, params);
+}
+
 // Normals, and the mask where some post has no data.
 void build_shading(StoreBuilder& builder) {
   const auto heights = builder.open_segment("heights");
-  const TileReader read = tiles_of(*heights);
-  Manifest& m = builder.manifest;
+  const Manifest& m = builder.manifest;
   const PyramidShape shape{m.cols, m.rows};
-  if (m.nodata_share > 0)
-    builder.write_raster("mask", "mask of " + heights->id(), mask_recipe(shape, read));
-  const std::string heading =
-      fmt::format("normals of {} {}", heights->id(), fmt::join(m.georef.world_from_post.m, " "));
-  builder.write_raster("normals", heading,
-                       normals_recipe(shape, m.georef.world_from_post, m.quantum_m, read));
+  if (m.nodata_share > 0) write_derived("mask", mask_recipe(shape), *heights, builder);
+  write_derived("normals", normals_recipe(shape, m.georef.world_from_post, m.quantum_m), *heights,
+                builder);
 }
 
 void make_store(HeightSource& source, const BuildOptions& options, StoreBuilder& builder) {

@@ -1,8 +1,8 @@
 #include "arete/store/drape.h"
 
-#include <algorithm>
 #include <vector>
 
+#include "arete/store/raster_build.h"
 #include "arete/store/raster_pyramid.h"
 #include "arete/store/work.h"
 
@@ -29,8 +29,7 @@ void copy_row(const RasterSource& from, const RasterShape& shape, TileRow row, U
   for (int x = 0; x < tiles; ++x) {
     const TileId id{row.level, static_cast<std::uint32_t>(x), row.y};
     const Texels texels = from.read(id);
-    const auto is_fill = [&shape](std::uint8_t b) { return b == shape.fill; };
-    if (std::ranges::all_of(texels.bytes, is_fill)) continue;
+    if (is_fill(shape, texels)) continue;
     encode_texels(texels, raw);
     unit.add(id.key(), raw);
   }

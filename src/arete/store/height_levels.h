@@ -1,11 +1,13 @@
 #pragma once
 
-#include "arete/core/build_context.h"
 #include "arete/store/fill_grid.h"
-#include "arete/store/height_band.h"
+#include "arete/store/height_patch.h"
 #include "arete/store/unit.h"
 
 namespace arete::store {
+
+/// Memory that store_level_row needs, about.
+inline constexpr std::size_t kLevelRowBytes = std::size_t{8} << 20U;
 
 /// Stores tile row `id.y` of level `id.level` >= 1, subsampled from the level below, which `finer`
 /// reads; tiles without valid posts are left out. Posts that no finer tile holds are invalid and

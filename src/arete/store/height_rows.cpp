@@ -1,7 +1,7 @@
 #include "arete/store/height_rows.h"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 
 #include "arete/store/height_codec.h"
 
@@ -20,14 +20,10 @@ class HeightRows : public HeightSource {
   std::string description() const override { return manifest_.source; }
 
   void read_row(int r, std::span<float> row) override {
-    const int y = std::min(r / kTileCells, shape_.tiles_y(0) - 1);
-    if (y != loaded_) {
-      loaded_ = -1;
-      load_band(shape_, {0, 0, static_cast<std::uint32_t>(y)}, read_, band_);
-      loaded_ = y;
-    }
-    const std::int32_t* counts = band_.row(r - y * kTileCells);
-    const std::uint8_t* valid = band_.valid_row(r - y * kTileCells);
+    const PostRect& loaded = patch_.rect();
+    if (r < loaded.row0 || r >= loaded.row1) load(r);
+    const std::int32_t* counts = patch_.counts(r, 0);
+    const std::uint8_t* valid = patch_.valid(r, 0);
     for (std::size_t c = 0; c < row.size(); ++c)
       row[c] = valid[c] != 0
                    ? static_cast<float>(manifest_.offset_m + manifest_.quantum_m * counts[c])
@@ -35,21 +31,31 @@ class HeightRows : public HeightSource {
   }
 
  private:
+  // The whole row of tiles, in memory that only a complete load marks as loaded.
+  void load(int r) {
+    const int first = std::min(r / kTileCells, shape_.tiles_y(0) - 1) * kTileCells;
+    HeightPatch patch;
+    std::swap(patch, patch_);
+    patch.load(shape_, 0, {0, first, manifest_.cols, std::min(first + kTilePosts, manifest_.rows)},
+               BeyondGrid::kDrop, read_);
+    std::swap(patch, patch_);
+  }
+
   const Manifest& manifest_;
   PyramidShape shape_;
   TileReader read_;
-  HeightBand band_;
-  int loaded_ = -1;
+  HeightPatch patch_;
 };
 
 }  // namespace
 
 TileReader tiles_of(const SegmentReader& heights) {
-  return [&heights](TileId id, HeightTile& tile) {
+  return [&heights](TileId id) -> const HeightTile* {
     thread_local std::vector<std::byte> raw;
-    if (heights.read(id.key(), raw) == 0) return false;
+    thread_local HeightTile tile;
+    if (heights.read(id.key(), raw) == 0) return nullptr;
     decode_tile(raw, tile);
-    return true;
+    return &tile;
   };
 }
 

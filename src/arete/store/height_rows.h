@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "arete/core/height_source.h"
-#include "arete/store/height_band.h"
+#include "arete/store/height_patch.h"
 #include "arete/store/segment_reader.h"
 #include "arete/store/terrain.h"
 

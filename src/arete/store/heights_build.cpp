@@ -96,12 +96,13 @@ class HeightsBuild {
     std::span<const UnitRef> refs;
     std::map<std::uint32_t, std::unique_ptr<UnitReader>> open = {};
     std::vector<std::byte> raw = {};
-    bool read(TileId id, HeightTile& tile) {
+    HeightTile tile = {};
+    const HeightTile* read(TileId id) {
       auto& unit = open[id.y];
       if (!unit) unit = refs[id.y].open();
-      if (!unit->read(id.key(), raw)) return false;
+      if (!unit->read(id.key(), raw)) return nullptr;
       decode_tile(raw, tile);
-      return true;
+      return &tile;
     }
   };
 
@@ -149,13 +150,12 @@ class HeightsBuild {
 
   void make_level(int level, std::span<const UnitRef> finer, const UnitFolder& folder,
                   int first) const {
-    const auto band_bytes = static_cast<std::size_t>(shape_.cols + kTilePosts) * kTilePosts * 8;
-    for_each_unit(builder_.context(), "levels", shape_.tiles_y(level), band_bytes, [&](int y) {
+    for_each_unit(builder_.context(), "levels", shape_.tiles_y(level), kLevelRowBytes, [&](int y) {
       const TileId id{static_cast<std::uint32_t>(level), 0, static_cast<std::uint32_t>(y)};
       UnitRows rows{finer};
       folder.make(first + y, [&](UnitWriter& unit) {
         store_level_row(
-            shape_, id, [&rows](TileId t, HeightTile& tile) { return rows.read(t, tile); },
+            shape_, id, [&rows](TileId tile) { return rows.read(tile); },
             import_.has_holes ? &grid_ : nullptr, unit);
       });
     });

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-#include "arete/store/height_band.h"
+#include "arete/store/height_patch.h"
 
 namespace arete::store {
 namespace {

@@ -3,9 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "arete/core/normal_code.h"
-#include "arete/store/height_window.h"
-#include "arete/store/recipes.h"
+#include "arete/store/raster_recipe.h"
 
 namespace arete::store {
 namespace {
@@ -95,27 +93,18 @@ void mean_normal(const std::array<const std::uint8_t*, 4>& from, std::uint8_t* t
 }  // namespace
 
 RasterRecipe normals_recipe(const PyramidShape& shape, const Affine2& world_from_post,
-                            double quantum_m, const TileReader& read) {
+                            double quantum_m) {
   RasterRecipe recipe;
   recipe.step = "normals";
   recipe.shape = pyramid_over(shape.cols, shape.rows);
   recipe.shape.channels = 2;
   recipe.shape.fill = kFlatCode;
-  recipe.bytes_each = HeightWindow::bytes(shape.cols, kTexelTile + 2);
-  const SlopeMap map = slope_map(world_from_post, quantum_m);
-  recipe.make_row = [shape, map, &read](int y, const auto& keep) {
-    thread_local HeightWindow window;
-    window.load(shape, y * kTexelTile - 1, kTexelTile + 2, read);
-    Texels texels{kTexelTile, 2, std::vector<std::uint8_t>(2 * kTexelTile * kTexelTile)};
-    const int rows = std::min(kTexelTile, shape.rows - y * kTexelTile);
-    for (int x = 0; x * kTexelTile < shape.cols; ++x) {
-      const int col0 = x * kTexelTile;
-      for (int r = 0; r < rows; ++r)
-        encode_row({window.row(r) + col0, window.row(r + 1) + col0, window.row(r + 2) + col0},
-                   std::min(kTexelTile, shape.cols - col0), map,
-                   &texels.bytes[static_cast<std::size_t>(2 * kTexelTile * r)]);
-      keep(x, texels);
-    }
+  recipe.apron = 1;
+  recipe.make_texels = [map = slope_map(world_from_post, quantum_m)](
+                           const HeightPatch& patch, Post post, int cols, std::uint8_t* to) {
+    encode_row({patch.counts(post.row - 1, post.col), patch.counts(post.row, post.col),
+                patch.counts(post.row + 1, post.col)},
+               cols, map, to);
   };
   recipe.mean = mean_normal;
   return recipe;

@@ -10,9 +10,8 @@
 namespace arete::store {
 namespace {
 
-int texels_at(int level0, int level) {
-  return (level0 + (1 << level) - 1) >> level;
-}
+// Level-1 tiles made from one patch of heights: wide patches waste little on the apron.
+constexpr int kTilesAPatch = 8;
 
 std::size_t texel_index(const Texels& t, int row, int col) {
   return (static_cast<std::size_t>(row) * static_cast<std::size_t>(t.size) +
@@ -20,63 +19,97 @@ std::size_t texel_index(const Texels& t, int row, int col) {
          static_cast<std::size_t>(t.channels);
 }
 
-Texels filled_tile(const RasterShape& shape) {
-  const auto side = static_cast<std::size_t>(shape.tile_size);
-  return {shape.tile_size, shape.channels,
-          std::vector<std::uint8_t>(side * side * static_cast<std::size_t>(shape.channels),
-                                    shape.fill)};
+struct Extent {
+  int cols = 0, rows = 0;
+};
+
+// Texels of the tile within the shape.
+Extent extent_of(const RasterShape& shape, TileId id) {
+  const auto inside = [&](int level0, std::uint32_t tile) {
+    const int texels = (level0 + (1 << id.level) - 1) >> id.level;
+    return std::min(shape.tile_size, texels - static_cast<int>(tile) * shape.tile_size);
+  };
+  return {inside(shape.width, id.x), inside(shape.height, id.y)};
 }
 
 // Texels beyond the shape repeat its last column and row, so that means at its border are right.
 void repeat_edges(const RasterShape& shape, TileId id, Texels& t) {
-  const int level = static_cast<int>(id.level);
-  const auto inside = [&](int level0, std::uint32_t tile) {
-    return std::min(t.size, texels_at(level0, level) - static_cast<int>(tile) * t.size);
-  };
-  const int cols = inside(shape.width, id.x);
-  const int rows = inside(shape.height, id.y);
-  for (int r = 0; r < rows; ++r)
-    for (int c = cols; c < t.size; ++c)
-      std::copy_n(&t.bytes[texel_index(t, r, cols - 1)], t.channels,
+  const Extent in = extent_of(shape, id);
+  for (int r = 0; r < in.rows; ++r)
+    for (int c = in.cols; c < t.size; ++c)
+      std::copy_n(&t.bytes[texel_index(t, r, in.cols - 1)], t.channels,
                   &t.bytes[texel_index(t, r, c)]);
-  for (int r = rows; r < t.size; ++r)
-    std::copy_n(&t.bytes[texel_index(t, rows - 1, 0)], texel_index(t, 1, 0),
+  for (int r = in.rows; r < t.size; ++r)
+    std::copy_n(&t.bytes[texel_index(t, in.rows - 1, 0)], texel_index(t, 1, 0),
                 &t.bytes[texel_index(t, r, 0)]);
 }
 
 void keep_tile(const RasterShape& shape, TileId id, Texels& texels, UnitWriter& unit) {
   repeat_edges(shape, id, texels);
-  const bool all_fill =
-      std::ranges::all_of(texels.bytes, [&shape](std::uint8_t b) { return b == shape.fill; });
-  if (all_fill) return;
+  if (is_fill(shape, texels)) return;
   thread_local std::vector<std::byte> raw;
   encode_texels(texels, raw);
   unit.add(id.key(), raw);
 }
 
-using FinerRows = std::array<std::unique_ptr<UnitReader>, 2>;
-
-// Means of one child into its quarter of the parent.
-void reduce_child(const RasterRecipe& recipe, const Texels& child, int quarter, Texels& parent) {
-  const int half = parent.size / 2;
-  const int row0 = quarter / 2 * half;
-  const int col0 = quarter % 2 * half;
-  for (int r = 0; r < half; ++r)
-    for (int c = 0; c < half; ++c) {
-      const std::uint8_t* north = &child.bytes[texel_index(child, 2 * r, 2 * c)];
-      const std::uint8_t* south = &child.bytes[texel_index(child, 2 * r + 1, 2 * c)];
-      recipe.mean({north, north + child.channels, south, south + child.channels},
-                  &parent.bytes[texel_index(parent, row0 + r, col0 + c)]);
-    }
+// The mean of two rows of `count` * 2 texels each.
+void mean_row(const RasterRecipe& recipe, const std::uint8_t* north, const std::uint8_t* south,
+              int count, std::uint8_t* to) {
+  const int n = recipe.shape.channels;
+  for (int c = 0; c < count; ++c, north += 2 * n, south += 2 * n, to += n)
+    recipe.mean({north, north + n, south, south + n}, to);
 }
 
-void reduce_row(const RasterRecipe& recipe, TileId row, const FinerRows& finer, UnitWriter& unit) {
+// Level-1 tiles [x0, x1) of row y straight from the heights.
+void store_level1(const RasterRecipe& recipe, const PyramidShape& shape, TileId row,
+                  std::uint32_t x1, const TileReader& heights, UnitWriter& unit) {
+  thread_local HeightPatch patch;
+  constexpr int kSpan = 2 * kTexelTile;
+  const int row0 = static_cast<int>(row.y) * kSpan;
+  patch.load(shape, 0,
+             {static_cast<int>(row.x) * kSpan - recipe.apron, row0 - recipe.apron,
+              static_cast<int>(x1) * kSpan + recipe.apron, row0 + kSpan + recipe.apron},
+             BeyondGrid::kDrop, heights);
+  const auto row_bytes = static_cast<std::size_t>(kSpan * recipe.shape.channels);
+  std::vector<std::uint8_t> pair(2 * row_bytes);
+  Texels texels = filled_tile(recipe.shape);
+  for (TileId id = row; id.x < x1; ++id.x) {
+    const int col0 = static_cast<int>(id.x) * kSpan;
+    const Extent in = extent_of(recipe.shape, id);
+    for (int r = 0; r < in.rows; ++r) {
+      for (int half = 0; half < 2; ++half) {
+        // The last row or column of an odd grid counts twice.
+        const int post_row = std::min(row0 + 2 * r + half, shape.rows - 1);
+        std::uint8_t* to = &pair[static_cast<std::size_t>(half) * row_bytes];
+        const int cols = std::min(kSpan, shape.cols - col0);
+        recipe.make_texels(patch, {col0, post_row}, cols, to);
+        if (cols % 2 != 0)
+          std::copy_n(to + (cols - 1) * recipe.shape.channels, recipe.shape.channels,
+                      to + cols * recipe.shape.channels);
+      }
+      mean_row(recipe, pair.data(), pair.data() + row_bytes, in.cols,
+               &texels.bytes[texel_index(texels, r, 0)]);
+    }
+    keep_tile(recipe.shape, id, texels, unit);
+  }
+}
+
+using FinerRows = std::array<std::unique_ptr<UnitReader>, 2>;
+
+void reduce_child(const RasterRecipe& recipe, const Texels& child, int quarter, Texels& parent) {
+  const int half = parent.size / 2;
+  for (int r = 0; r < half; ++r)
+    mean_row(recipe, &child.bytes[texel_index(child, 2 * r, 0)],
+             &child.bytes[texel_index(child, 2 * r + 1, 0)], half,
+             &parent.bytes[texel_index(parent, quarter / 2 * half + r, quarter % 2 * half)]);
+}
+
+void reduce_row(const RasterRecipe& recipe, TileId id, const FinerRows& finer, UnitWriter& unit) {
   const RasterShape& shape = recipe.shape;
-  const int tiles = raster_tiles(shape.width, static_cast<int>(row.level), shape.tile_size);
+  const int tiles = raster_tiles(shape.width, static_cast<int>(id.level), shape.tile_size);
   Texels child = filled_tile(shape);
   std::vector<std::byte> raw;
-  for (int x = 0; x < tiles; ++x) {
-    const TileId id{row.level, static_cast<std::uint32_t>(x), row.y};
+  for (; id.x < static_cast<std::uint32_t>(tiles); ++id.x) {
     Texels parent = filled_tile(shape);
     bool any = false;
     for (int quarter = 0; quarter < 4; ++quarter) {
@@ -90,55 +123,43 @@ void reduce_row(const RasterRecipe& recipe, TileId row, const FinerRows& finer, 
   }
 }
 
+std::size_t patch_bytes(const RasterRecipe& recipe) {
+  constexpr int kSpan = 2 * kTexelTile;
+  return HeightPatch::bytes(kTilesAPatch * kSpan + 2 * recipe.apron, kSpan + 2 * recipe.apron);
+}
+
 }  // namespace
 
-RasterShape pyramid_over(int width, int height) {
-  RasterShape shape;
-  shape.width = width;
-  shape.height = height;
-  shape.tile_size = kTexelTile;
-  shape.levels = 1;
-  while (raster_tiles(width, shape.levels - 1, kTexelTile) > 1 ||
-         raster_tiles(height, shape.levels - 1, kTexelTile) > 1)
-    ++shape.levels;
-  return shape;
+bool is_fill(const RasterShape& shape, const Texels& texels) {
+  return std::ranges::all_of(texels.bytes, [&](std::uint8_t b) { return b == shape.fill; });
 }
 
-int raster_tiles(int texels, int level, int tile_size) {
-  return (texels_at(texels, level) + tile_size - 1) / tile_size;
-}
-
-int make_raster_units(const RasterRecipe& recipe, const UnitFolder& units,
+int make_raster_units(const RasterRecipe& recipe, const PyramidShape& shape,
+                      const TileReader& heights, const UnitFolder& units,
                       const BuildContext& context) {
-  const RasterShape& shape = recipe.shape;
-  const int rows0 = raster_tiles(shape.height, 0, shape.tile_size);
-  for_each_unit(context, recipe.step, rows0, recipe.bytes_each, [&](int y) {
-    units.make(y, [&](UnitWriter& unit) {
-      recipe.make_row(y, [&](int x, Texels& texels) {
-        keep_tile(shape, {0, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)}, texels,
-                  unit);
-      });
-    });
-  });
-  int finer = 0;
-  int finer_rows = rows0;
-  for (int level = 1; level < shape.levels; ++level) {
-    const int first = finer + finer_rows;
-    const int rows = raster_tiles(shape.height, level, shape.tile_size);
-    for_each_unit(context, recipe.step, rows, 0, [&](int y) {
+  int first = 0;
+  for (int level = 1; level < recipe.shape.levels; ++level) {
+    const int rows = raster_tiles(recipe.shape.height, level, kTexelTile);
+    const int finer_rows = raster_tiles(recipe.shape.height, level - 1, kTexelTile);
+    const int finer = first - finer_rows;  // unit of the finer level's row 0, for level >= 2
+    const auto tiles =
+        static_cast<std::uint32_t>(raster_tiles(recipe.shape.width, level, kTexelTile));
+    for_each_unit(context, recipe.step, rows, patch_bytes(recipe), [&](int y) {
       units.make(first + y, [&](UnitWriter& unit) {
+        TileId id{static_cast<std::uint32_t>(level), 0, static_cast<std::uint32_t>(y)};
+        for (; level == 1 && id.x < tiles; id.x += kTilesAPatch)
+          store_level1(recipe, shape, id, std::min(id.x + kTilesAPatch, tiles), heights, unit);
+        if (level == 1) return;
         FinerRows below;
         for (int half = 0; half < 2; ++half)
           if (2 * y + half < finer_rows)
             below[static_cast<std::size_t>(half)] = units.open(finer + 2 * y + half);
-        const TileId row{static_cast<std::uint32_t>(level), 0, static_cast<std::uint32_t>(y)};
-        reduce_row(recipe, row, below, unit);
+        reduce_row(recipe, id, below, unit);
       });
     });
-    finer = first;
-    finer_rows = rows;
+    first += rows;
   }
-  return finer + finer_rows;
+  return first;
 }
 
 }  // namespace arete::store

@@ -26,14 +26,11 @@ class StoredRaster : public RasterSource {
   RasterShape shape() const override { return shape_; }
 
   Texels read(TileId id) const override {
-    Texels texels{shape_.tile_size, shape_.channels, {}};
-    const auto side = static_cast<std::size_t>(shape_.tile_size);
-    const std::size_t bytes = side * side * static_cast<std::size_t>(shape_.channels);
-    texels.bytes.assign(bytes, shape_.fill);
+    Texels texels = filled_tile(shape_);
     try {
       thread_local std::vector<std::byte> raw;
       if (segment_.read(id.key(), raw) == 0) return texels;
-      if (raw.size() == bytes)
+      if (raw.size() == texels.bytes.size())
         decode_texels(raw, texels);
       else
         ++*damaged_;
@@ -82,6 +79,12 @@ std::unique_ptr<RasterSource> open_raster(const SegmentReader& segment,
     throw Error(ErrorCode::kCorrupt,
                 fmt::format("segment {}: holds no raster pyramid", segment.name()));
   return std::make_unique<StoredRaster>(segment, *shape, damaged);
+}
+
+Texels filled_tile(const RasterShape& shape) {
+  const auto side = static_cast<std::size_t>(shape.tile_size);
+  const std::size_t bytes = side * side * static_cast<std::size_t>(shape.channels);
+  return {shape.tile_size, shape.channels, std::vector<std::uint8_t>(bytes, shape.fill)};
 }
 
 void encode_texels(const Texels& texels, std::vector<std::byte>& raw) {

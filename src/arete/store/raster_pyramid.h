@@ -24,6 +24,9 @@ std::optional<RasterShape> parse_raster_params(const std::string& params);
 std::unique_ptr<RasterSource> open_raster(const SegmentReader& segment,
                                           std::atomic<std::uint64_t>* damaged);
 
+/// A tile of nothing but `fill`.
+Texels filled_tile(const RasterShape& shape);
+
 /// Block form of a tile: channels apart, each texel less its western neighbour (the first of a row
 /// less the one above), modulo 256.
 void encode_texels(const Texels& texels, std::vector<std::byte>& raw);

@@ -6,7 +6,6 @@
 #include "arete/core/error.h"
 #include "arete/store/manifest.h"
 #include "arete/store/output_file.h"
-#include "arete/store/raster_pyramid.h"
 #include "arete/store/segment_writer.h"
 #include "arete/store/terrain_impl.h"
 #include "arete/store/work.h"
@@ -97,15 +96,6 @@ void StoreBuilder::add(const SegmentRecord& record) {
     terrain_->impl_->add_segment(record);
     terrain_->impl_->manifest.segments = manifest.segments;
   }
-}
-
-void StoreBuilder::write_raster(const std::string& name, const std::string& heading,
-                                const RasterRecipe& recipe) {
-  const std::string params = raster_params(recipe.shape, heading);
-  if (const auto finished = find_finished(name); finished && finished->params() == params)
-    return record(*finished);
-  const UnitFolder folder = units(name, params);
-  assemble_all(folder, make_raster_units(recipe, folder, context_), name, params);
 }
 
 const Terrain& StoreBuilder::open_terrain() {

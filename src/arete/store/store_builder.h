@@ -8,7 +8,6 @@
 
 #include "arete/core/build_context.h"
 #include "arete/store/build.h"
-#include "arete/store/raster_build.h"
 #include "arete/store/segment_reader.h"
 #include "arete/store/unit.h"
 
@@ -35,9 +34,6 @@ class StoreBuilder : public Writers {
   void assemble_all(const UnitFolder& folder, int count, const std::string& name,
                     const std::string& params);
   void record(const SegmentReader& finished);
-  /// Makes a pyramid segment unless it is finished.
-  void write_raster(const std::string& name, const std::string& heading,
-                    const RasterRecipe& recipe);
   std::unique_ptr<SegmentReader> open_segment(const std::string& name) const;
 
   /// Opens the unpublished store; needs heights. write() may be called after it.

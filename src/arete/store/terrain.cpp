@@ -7,6 +7,7 @@
 #include "arete/store/height_rows.h"
 #include "arete/store/manifest.h"
 #include "arete/store/raster_pyramid.h"
+#include "arete/store/raster_recipe.h"
 #include "arete/store/terrain_impl.h"
 
 namespace arete::store {
@@ -26,6 +27,33 @@ std::string read_text(const File& file, const std::string& name) {
 std::size_t bytes_of(const HeightTile& tile) {
   return sizeof(HeightTile) + tile.counts.capacity() * sizeof(std::int32_t) + tile.valid.capacity();
 }
+
+// Level 0 from the heights, the other levels from the segment.
+class DerivedRaster : public RasterSource {
+ public:
+  DerivedRaster(const Terrain& terrain, RasterRecipe recipe, std::unique_ptr<RasterSource> stored)
+      : terrain_(terrain), recipe_(std::move(recipe)), stored_(std::move(stored)) {}
+
+  RasterShape shape() const override { return recipe_.shape; }
+
+  Texels read(TileId id) const override {
+    if (id.level > 0) return stored_->read(id);
+    std::shared_ptr<const HeightTile> held;
+    const TileReader read = [&](TileId tile) {
+      held = terrain_.heights(tile, Fetch::kWait);
+      return held.get();
+    };
+    Texels texels = filled_tile(recipe_.shape);
+    const Manifest& m = terrain_.manifest();
+    make_level0(recipe_, {m.cols, m.rows}, id, read, texels);
+    return texels;
+  }
+
+ private:
+  const Terrain& terrain_;
+  RasterRecipe recipe_;
+  std::unique_ptr<RasterSource> stored_;
+};
 
 }  // namespace
 
@@ -176,7 +204,14 @@ std::unique_ptr<HeightSource> Terrain::height_source() const {
 
 std::unique_ptr<RasterSource> Terrain::raster(std::string_view segment) const {
   if (!has_segment(segment)) return nullptr;
-  return open_raster(impl_->segment(segment), &impl_->damaged);
+  auto stored = open_raster(impl_->segment(segment), &impl_->damaged);
+  const Manifest& m = impl_->manifest;
+  std::optional<RasterRecipe> recipe;
+  if (segment == "mask") recipe = mask_recipe(impl_->shape);
+  if (segment == "normals")
+    recipe = normals_recipe(impl_->shape, m.georef.world_from_post, m.quantum_m);
+  if (!recipe) return stored;
+  return std::make_unique<DerivedRaster>(*this, std::move(*recipe), std::move(stored));
 }
 
 void Terrain::prefetch(std::span<const TileId> tiles) const {
