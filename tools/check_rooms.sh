@@ -10,7 +10,7 @@ declare -A rooms=(
   [proof]="core store mesh scene render lod/engine.h")
 # Packages, by the first part of their headers; the system's own C headers are free.
 declare -A packages=(
-  [core]="" [raster]="gdal cpl_ ogr_ ogrsf_frmts.h vrtdataset.h" [store]="zstd.h xxhash.h nlohmann"
+  [core]="" [raster]="gdal cpl_ ogr_ hdf5.h" [store]="zstd.h xxhash.h nlohmann"
   [mesh]="meshoptimizer.h nlohmann" [scene]="nlohmann" [lod]="" [lod/X]="meshoptimizer.h"
   [render]="epoxy EGL png.h shader_sources.h" [proof]="nlohmann")
 everywhere="glm fmt sys/ unistd.h fcntl.h dirent.h poll.h pthread.h"

@@ -3,7 +3,7 @@
 # Usage: tools/install_packages.sh [build] [demo] [test] [ci]
 set -euo pipefail
 
-build=(cmake ninja-build g++ pkg-config libgdal-dev libzstd-dev libxxhash-dev libglm-dev libfmt-dev
+build=(cmake ninja-build g++ pkg-config libgdal-dev libhdf5-dev libzstd-dev libxxhash-dev libglm-dev libfmt-dev
        nlohmann-json3-dev libcli11-dev libepoxy-dev libegl-dev libglfw3-dev libimgui-dev
        libmeshoptimizer-dev libpng-dev libgtest-dev libgmock-dev libbenchmark-dev)
 # What runs it: Mesa's software OpenGL (a GPU's own driver goes before it) and the video encoder.
