@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -79,6 +80,83 @@ TEST(CheckSurface, CountsHalfCellsAndCellsCutByAnySlope) {
   const SurfaceReport r = check({{Post{0, 0}, Post{0, 2}, Post{4, 2}}}, dem);
   EXPECT_EQ(r.uncovered_cells, 6U);
   EXPECT_EQ(r.overlaps, 0U);
+}
+
+// Fans around a random post of each square of 4 x 4 cells: edges of many slopes, conforming.
+std::vector<Triangle> random_fans(int squares, std::mt19937& random) {
+  std::uniform_int_distribution<int> inside(1, 3);
+  std::vector<Triangle> out;
+  for (int s = 0; s < squares * squares; ++s) {
+    const Post nw{s % squares * 4, s / squares * 4};
+    const Post hub{nw.col + inside(random), nw.row + inside(random)};
+    std::vector<Post> ring;  // counter-clockwise seen from above: down the west side first
+    for (int i = 0; i < 4; ++i) ring.push_back({nw.col, nw.row + i});
+    for (int i = 0; i < 4; ++i) ring.push_back({nw.col + i, nw.row + 4});
+    for (int i = 0; i < 4; ++i) ring.push_back({nw.col + 4, nw.row + 4 - i});
+    for (int i = 0; i < 4; ++i) ring.push_back({nw.col + 4 - i, nw.row});
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      out.push_back({hub, ring[i], ring[(i + 1) % ring.size()]});
+    }
+  }
+  return out;
+}
+
+// Area of a triangle within a cell, by clipping.
+double area_in_cell(const Triangle& t, Post cell) {
+  std::vector<glm::dvec2> polygon;
+  for (const Post p : t) polygon.emplace_back(p.col - cell.col, p.row - cell.row);
+  for (const glm::dvec3 half : {glm::dvec3{1, 0, 0}, {-1, 0, 1}, {0, 1, 0}, {0, -1, 1}}) {
+    const auto side = [&](glm::dvec2 p) { return half.x * p.x + half.y * p.y + half.z; };
+    std::vector<glm::dvec2> kept;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const glm::dvec2 a = polygon[i];
+      const glm::dvec2 b = polygon[(i + 1) % polygon.size()];
+      if (side(a) >= 0) kept.push_back(a);
+      if ((side(a) >= 0) != (side(b) >= 0))
+        kept.push_back(a + (b - a) * (side(a) / (side(a) - side(b))));
+    }
+    polygon = kept;
+  }
+  double doubled = 0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const glm::dvec2 a = polygon[i];
+    const glm::dvec2 b = polygon[(i + 1) % polygon.size()];
+    doubled += a.x * b.y - a.y * b.x;
+  }
+  return std::abs(doubled) / 2;
+}
+
+TEST(CheckSurface, CoverageEqualsClippedAreas) {
+  constexpr int kSquares = 3;
+  constexpr int kPosts = 4 * kSquares + 1;
+  const Heightfield dem = toy::hills(kPosts, kPosts);
+  std::mt19937 random(11);
+  for (int trial = 0; trial < 60; ++trial) {
+    SCOPED_TRACE(trial);
+    std::vector<Triangle> triangles = random_fans(kSquares, random);
+    expect_conforming(check(triangles, dem));
+    std::shuffle(triangles.begin(), triangles.end(), random);
+    // A few triangles are missing and, on odd trials, a few are drawn twice.
+    const bool twice = trial % 2 != 0;
+    if (twice) std::copy_n(triangles.begin(), 3, triangles.end() - 3);
+    if (!twice) triangles.resize(triangles.size() - 5);
+    std::uint64_t uncovered = 0;
+    bool overlapped = false;
+    for (int r = 0; r + 1 < kPosts; ++r) {
+      for (int c = 0; c + 1 < kPosts; ++c) {
+        double area = 0;
+        for (const Triangle& t : triangles) area += area_in_cell(t, {c, r});
+        uncovered += static_cast<std::uint64_t>(area < 1 - 1e-9);
+        overlapped = overlapped || area > 1 + 1e-9;
+      }
+    }
+    const SurfaceReport r = check(triangles, dem);
+    if (!twice) {
+      EXPECT_EQ(r.uncovered_cells, uncovered);
+    }
+    EXPECT_EQ(r.overlaps > 0, overlapped || twice);
+    EXPECT_GT(r.cracks(), 0U);
+  }
 }
 
 TEST(CheckSurface, HolesWithoutDataNeedNoCover) {

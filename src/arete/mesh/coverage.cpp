@@ -23,18 +23,30 @@ struct Crossing {
   int delta;
 };
 
-// The boundary runs through the inside of a cell. `before_centre`: the change `delta` of this
-// piece lies west of the cell's centre, so the centre has it and whole cells east of it do too.
+// The boundary runs through the inside of a cell, on the chord x = x_centre + slope (y - 1/2) of
+// the unit square (y runs south). East of it the winding number is `delta` higher.
 struct Cut {
   std::int32_t row, cell;
-  int at_centre;  // change that the piece adds to the winding at the centre, over that of `cell`
-  int beyond;     // winding on the piece's other side minus winding at the centre
+  int delta;
+  bool counted;  // the cell's own winding number has the change already
+  double x_centre, slope;
+
+  bool east(glm::dvec2 p) const { return p.x > x_centre + slope * (p.y - 0.5); }
+  glm::dvec2 midpoint() const;
 };
 
 struct RowEvents {
   std::vector<Crossing> crossings;
   std::vector<Cut> cuts;
 };
+
+glm::dvec2 Cut::midpoint() const {
+  // y where the chord meets x = 0 and x = 1; a chord is never vertical.
+  const double y0 = 0.5 - x_centre / slope;
+  const double y1 = y0 + 1 / slope;
+  const double y = (std::max(0.0, std::min(y0, y1)) + std::min(1.0, std::max(y0, y1))) / 2;
+  return {x_centre + slope * (y - 0.5), y};
+}
 
 // Adds the events of one piece, top end first, in one row of cells.
 void add_row(const BoundaryPiece& p, std::int32_t row, int delta, RowEvents& out) {
@@ -50,13 +62,11 @@ void add_row(const BoundaryPiece& p, std::int32_t row, int delta, RowEvents& out
   if (dc == 0) return;
   const std::int64_t c0 = floor_div(std::min(x_top, x_bottom), 2 * dr);
   const std::int64_t c1 = -floor_div(-std::max(x_top, x_bottom), 2 * dr);
+  const double slope = static_cast<double>(dc) / static_cast<double>(dr);
   for (std::int64_t c = c0; c < c1; ++c) {
-    // The centre, moved west by less than anything, so that no piece runs through it.
-    const bool centre_east = x_mid < (2 * c + 1) * dr;
-    const bool counted = first_whole <= c;
-    out.cuts.push_back({row, static_cast<std::int32_t>(c),
-                        delta * (static_cast<int>(centre_east) - static_cast<int>(counted)),
-                        centre_east ? -delta : delta});
+    const double x_centre = static_cast<double>(x_mid - 2 * c * dr) / static_cast<double>(2 * dr);
+    out.cuts.push_back(
+        {row, static_cast<std::int32_t>(c), delta, first_whole <= c, x_centre, slope});
   }
 }
 
@@ -183,16 +193,27 @@ class RowScan {
 
   // A cut cell is never covered just once all over: it is overlapped or partly uncovered.
   void add_cut(std::int32_t cell, int winding, std::span<const Cut> cuts) {
-    int centre = winding;
-    for (const Cut& k : cuts) centre += k.at_centre;
-    const bool overlapped = centre > 1 || std::ranges::any_of(cuts, [&](const Cut& k) {
-                              return centre + k.beyond > 1;
-                            });
-    if (overlapped) {
+    if (highest_winding(winding, cuts) > 1) {
       ++report_.overlapped_cells;
     } else if (in_grid_ && cell >= 0 && cell < cells_ && required_({cell, row_})) {
       ++report_.uncovered_cells;
     }
+  }
+
+  // Chords of a valid surface's boundary do not cross, so every part of the cell has a chord's
+  // midpoint on its border.
+  static int highest_winding(int winding, std::span<const Cut> cuts) {
+    int highest = std::numeric_limits<int>::min();
+    for (const Cut& chord : cuts) {
+      const glm::dvec2 p = chord.midpoint();
+      int west = winding;
+      for (const Cut& k : cuts) {
+        const bool east = &k != &chord && k.east(p);
+        west += k.delta * (static_cast<int>(east) - static_cast<int>(k.counted));
+      }
+      highest = std::max({highest, west, west + chord.delta});
+    }
+    return highest;
   }
 
   const Required& required_;
