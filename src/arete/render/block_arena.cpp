@@ -4,6 +4,10 @@
 #include <cassert>
 #include <functional>
 
+#include <fmt/format.h>
+
+#include "arete/core/error.h"
+
 namespace arete::render {
 namespace {
 
@@ -24,14 +28,22 @@ std::size_t BlockArena::NameHash::operator()(const BlockName& n) const {
 BlockArena::BlockArena(std::uint64_t cap_bytes)
     : cap_granules_(cap_bytes / kGranule),
       allocator_(std::min(cap_granules_, kFirstBytes / kGranule)) {
-  allocate(capacity());
+  if (allocate(capacity())) return;
+  throw Error(ErrorCode::kLimit,
+              fmt::format("GPU memory: the driver refuses {} bytes: close other programs that use "
+                          "the GPU or allow less",
+                          capacity()));
 }
 
-void BlockArena::allocate(std::uint64_t bytes) {
+// False when the driver has no memory for it.
+bool BlockArena::allocate(std::uint64_t bytes) {
+  while (glGetError() != GL_NO_ERROR) {
+  }
   buffer_.reset();
   buffer_ = make_buffer();
   glNamedBufferStorage(buffer_.get(), static_cast<GLsizeiptr>(bytes), nullptr,
                        GL_DYNAMIC_STORAGE_BIT);
+  return glGetError() == GL_NO_ERROR;
 }
 
 void BlockArena::begin_frame() {
@@ -112,10 +124,16 @@ bool BlockArena::grow(std::uint64_t granules) {
   const std::uint64_t old_bytes = capacity();
   std::vector<std::byte> kept(old_bytes);
   glGetNamedBufferSubData(buffer_.get(), 0, static_cast<GLsizeiptr>(old_bytes), kept.data());
-  allocator_.grow(std::min(cap_granules_, allocator_.size() * 2 + granules));
-  allocate(capacity());
+  const std::uint64_t wish = std::min(cap_granules_, allocator_.size() * 2 + granules);
+  const bool grown = allocate(wish * kGranule);
+  if (grown) {
+    allocator_.grow(wish);
+  } else {
+    cap_granules_ = allocator_.size();  // what the driver gave before is the cap from now on
+    allocate(old_bytes);
+  }
   glNamedBufferSubData(buffer_.get(), 0, static_cast<GLsizeiptr>(old_bytes), kept.data());
-  return true;
+  return grown;
 }
 
 bool BlockArena::evict_oldest() {

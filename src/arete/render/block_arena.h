@@ -31,6 +31,7 @@ class BlockArena {
  public:
   static constexpr std::uint64_t kGranule = sizeof(Vertex);
 
+  /// Throws: kLimit when the driver has not even the first part.
   explicit BlockArena(std::uint64_t cap_bytes);
   /// Gives the streams of the frame before back. Blocks not found or added since may be evicted.
   void begin_frame();
@@ -73,7 +74,7 @@ class BlockArena {
   bool grow(std::uint64_t granules);
   bool evict_oldest();
   void drop(Blocks::iterator block);
-  void allocate(std::uint64_t bytes);
+  bool allocate(std::uint64_t bytes);
 
   std::uint64_t cap_granules_;
   RangeAllocator allocator_;

@@ -234,6 +234,12 @@ struct Renderer::Impl {
 };
 
 Renderer::Renderer(const Land& land, std::size_t gpu_memory) {
+  if (epoxy_gl_version() < 45 || !epoxy_has_gl_extension("GL_ARB_shader_draw_parameters")) {
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("OpenGL: version {}.{} is too old: 4.5 with draw parameters is needed, "
+                            "update the graphics driver",
+                            epoxy_gl_version() / 10, epoxy_gl_version() % 10));
+  }
   if (gpu_memory < kSmallestMemory) {
     throw Error(ErrorCode::kLimit,
                 fmt::format("GPU memory: {} bytes are too few: allow at least {}", gpu_memory,

@@ -66,10 +66,10 @@ class Frame {
 };
 
 struct DrawStats {
-  std::uint64_t triangles = 0, draws = 0;
-  std::uint64_t bytes_uploaded = 0;
-  std::uint64_t gpu_bytes = 0;        ///< blocks and textures held
-  std::uint64_t dropped_batches = 0;  ///< did not fit gpu_memory
+  std::uint64_t triangles = 0, draws = 0;  ///< handed to GL, a strip's degenerate ones too
+  std::uint64_t bytes_uploaded = 0;        ///< vertices, indices, factors and draw records
+  std::uint64_t gpu_bytes = 0;             ///< blocks and textures held
+  std::uint64_t dropped_batches = 0;       ///< did not fit gpu_memory
 };
 
 /// Draws any DrawList. Requires: a current OpenGL 4.5 context for the whole life of the object.

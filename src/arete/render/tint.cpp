@@ -22,10 +22,10 @@ constexpr std::array<Stop, 8> kLand{{{0.00, {72, 88, 60}},
                                      {0.12, {96, 108, 70}},
                                      {0.28, {138, 132, 90}},
                                      {0.44, {156, 136, 100}},
-                                     {0.60, {130, 110, 90}},
-                                     {0.76, {122, 114, 108}},
-                                     {0.88, {194, 195, 197}},
-                                     {1.00, {240, 244, 250}}}};
+                                     {0.58, {130, 110, 90}},
+                                     {0.72, {122, 114, 108}},
+                                     {0.83, {194, 195, 197}},
+                                     {0.92, {240, 244, 250}}}};
 constexpr std::array<Stop, 4> kSea{
     {{0.00, {10, 24, 58}}, {0.55, {18, 56, 104}}, {0.90, {46, 108, 146}}, {1.00, {98, 158, 172}}}};
 
@@ -111,7 +111,7 @@ GlTexture make_grain() {
   glTextureSubImage2D(name, 0, 0, 0, kGrainSize, kGrainSize, GL_RED, GL_UNSIGNED_BYTE,
                       texels.data());
   glGenerateTextureMipmap(name);
-  glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_NEAREST);
   glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   return texture;
 }

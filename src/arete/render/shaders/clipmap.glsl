@@ -11,8 +11,9 @@ struct Footprint {
 // Texture coordinate of the point in a level's layer. Beyond the raster its edge texel repeats.
 vec3 layer_coordinate(int which, vec2 at, float level) {
   float cell = exp2(level);
-  vec2 low = 0.5 * cell - clips[which].size.zw;
-  vec2 high = (ceil(clips[which].size.xy / cell) - 0.5) * cell - clips[which].size.zw;
+  // Half a texel, and what hardware rounds coordinates by: no neighbour beyond the edge is read.
+  vec2 low = 0.504 * cell - clips[which].size.zw;
+  vec2 high = (ceil(clips[which].size.xy / cell) - 0.504) * cell - clips[which].size.zw;
   vec2 inside = clamp(at, low, max(low, high));
   vec2 origin = clips[which].origin[int(level)].xy;
   return vec3(origin + inside * (clips[which].scale.zw / cell), level - clips[which].levels.x);

@@ -37,13 +37,16 @@ vec3 ground_colour(vec3 n, vec2 posts_dx, vec2 posts_dy) {
   if (has.z != 0) {
     return clip_fetch(2, drape_texture, footprint(2, posts, posts_dx, posts_dy)).rgb;
   }
-  // One noise gives the ground its grain and frays the bands of the tint.
-  float grain = texture(grain_texture, (posts + grain_origin.xy) * grain_origin.z).r - 0.5;
+  // A noise, coarse and fine, gives the ground its grain and frays the bands of the tint.
+  vec2 at = (posts + grain_origin.xy) * grain_origin.z;
+  float fine = texture(grain_texture, at * 11.0).r - 0.5;
+  float grain = texture(grain_texture, at).r - 0.5 + 0.6 * fine;
   float t = (height - tint.x) * tint.y;
   vec3 base = texture(tint_texture, t < tint.z ? t : max(t + 0.04 * grain, tint.z + 0.002)).rgb;
   if (t < tint.z) return base;
   vec3 rock = mix(vec3(0.11, 0.092, 0.076), vec3(0.165, 0.155, 0.145), clamp(t, 0.0, 1.0));
   float steep = smoothstep(0.14, 0.42, 1.0 - n.z + 0.12 * grain);
+  steep *= 1.0 - 0.5 * smoothstep(0.8, 0.95, t);  // snow stays on steep ground too
   return mix(base, rock, 0.85 * steep) * (1.0 + 0.55 * grain);
 }
 
@@ -61,7 +64,7 @@ float edge_share() {
   vec3 distance_px = corner / width;
   float nearest = min(distance_px.x, min(distance_px.y, distance_px.z));
   float crowding = clamp(0.25 / max(width.x, max(width.y, width.z)), 0.15, 1.0);
-  return (1.0 - smoothstep(0.4, 1.4, nearest)) * crowding;
+  return (1.0 - smoothstep(0.2, 1.2, nearest)) * crowding;
 }
 #endif
 
