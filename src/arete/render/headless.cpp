@@ -65,17 +65,22 @@ struct HeadlessContext::Impl {
   EGLSurface surface = EGL_NO_SURFACE;
   std::string renderer;
 
-  ~Impl() { close(); }
+  // The display stays initialised: it belongs to the whole process, where others may use it.
+  ~Impl() { release(); }
 
-  void close() {
+  void release() {
     if (display == EGL_NO_DISPLAY) return;
     eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     if (surface != EGL_NO_SURFACE) eglDestroySurface(display, surface);
     if (context != EGL_NO_CONTEXT) eglDestroyContext(display, context);
-    eglTerminate(display);
-    display = EGL_NO_DISPLAY;
     context = EGL_NO_CONTEXT;
     surface = EGL_NO_SURFACE;
+  }
+
+  void give_up() {
+    release();
+    if (display != EGL_NO_DISPLAY) eglTerminate(display);
+    display = EGL_NO_DISPLAY;
   }
 
   // Some drivers refuse a context without a surface: a small pbuffer serves those.
@@ -122,7 +127,7 @@ HeadlessContext::HeadlessContext() : impl_(std::make_unique<Impl>()) {
       impl_->renderer = name != nullptr ? reinterpret_cast<const char*>(name) : "unknown";
       return;
     }
-    impl_->close();
+    impl_->give_up();
     tried += fmt::format("{}{}", tried.empty() ? "" : ", ", failure);
   }
   throw Error(ErrorCode::kUnsupported,

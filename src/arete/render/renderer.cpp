@@ -29,9 +29,10 @@ class DrawState {
   explicit DrawState(const Frame& frame) {
     glBindFramebuffer(GL_FRAMEBUFFER, frame.framebuffer());
     glViewport(0, 0, frame.width(), frame.height());
-    for (const GLenum off : {GL_BLEND, GL_CULL_FACE, GL_SCISSOR_TEST, GL_STENCIL_TEST}) {
-      glDisable(off);
-    }
+    glDisable(GL_BLEND);
+    glDisable(GL_CULL_FACE);
+    glDisable(GL_SCISSOR_TEST);
+    glDisable(GL_STENCIL_TEST);
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glEnable(GL_DEPTH_TEST);

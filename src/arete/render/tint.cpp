@@ -48,8 +48,9 @@ constexpr int kGrainSize = 256;
 
 // A hash of the lattice point, 0..1.
 double lattice(int x, int y, int cells) {
-  auto h = static_cast<std::uint32_t>((x % cells) * 374761393 + (y % cells) * 668265263 +
-                                      cells * 2246822519U);
+  const auto period = static_cast<std::uint32_t>(cells);
+  std::uint32_t h = static_cast<std::uint32_t>(x) % period * 374761393U +
+                    static_cast<std::uint32_t>(y) % period * 668265263U + period * 2246822519U;
   h = (h ^ (h >> 15U)) * 2246822519U;
   h = (h ^ (h >> 13U)) * 3266489917U;
   return static_cast<double>(h >> 8U) / (1U << 24U);
