@@ -10,6 +10,7 @@ namespace arete::app {
 namespace {
 
 constexpr double kSteepest = 89 * std::numbers::pi / 180;
+constexpr double kMargin = 0.95;  // of the half viewport that the home view fills
 
 }  // namespace
 
@@ -53,15 +54,27 @@ Pose lifted(const Pose& pose, const scene::Ground& ground, double clearance) {
   return up;
 }
 
-Pose home_pose(const scene::Ground& ground) {
+Pose home_pose(const scene::Ground& ground, double aspect) {
   const Affine2& a = ground.world_from_post;
-  const glm::dvec2 centre = a.apply((ground.cols - 1) / 2.0, (ground.rows - 1) / 2.0);
-  const double half = glm::length(a.apply(ground.cols - 1, ground.rows - 1) - a.apply(0, 0)) / 2;
+  const glm::dvec2 last(ground.cols - 1, ground.rows - 1);
+  const glm::dvec2 centre = a.apply(last.x / 2, last.y / 2);
+  const glm::dvec3 target(centre, ground_height(ground, centre));
   Pose pose;
   pose.pitch = -40 * std::numbers::pi / 180;
-  const double distance = std::max(half / std::tan(pose.fovy / 2), 1.0);
-  pose.eye = glm::dvec3(centre, ground_height(ground, centre)) -
-             distance * camera_axes(pose.yaw, pose.pitch).forward;
+  const CameraAxes axes = camera_axes(pose.yaw, pose.pitch);
+  const double ty = kMargin * std::tan(pose.fovy / 2);
+  double distance = 1;
+  for (const glm::dvec2 post : {glm::dvec2(0), {last.x, 0}, {0, last.y}, last}) {
+    for (const double z : {ground.z_min, ground.z_max}) {
+      // The corner at d from the target is seen when |d.right| <= tx (distance + d.forward), and
+      // likewise upward.
+      const glm::dvec3 d = glm::dvec3(a.apply(post.x, post.y), z) - target;
+      const double needed = std::max(std::abs(glm::dot(d, axes.right)) / (ty * aspect),
+                                     std::abs(glm::dot(d, axes.up)) / ty);
+      distance = std::max(distance, needed - glm::dot(d, axes.forward));
+    }
+  }
+  pose.eye = target - distance * axes.forward;
   return pose;
 }
 

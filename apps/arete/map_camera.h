@@ -23,8 +23,9 @@ Pose turned(const View& view, glm::dvec3 pivot, double yaw, double pitch);
 /// The camera lifted, if need be, to `clearance` metres above the ground.
 Pose lifted(const Pose& pose, const scene::Ground& ground, double clearance);
 
-/// The whole terrain seen from the south, 40 degrees from above.
-Pose home_pose(const scene::Ground& ground);
+/// The whole terrain seen from the south, 40 degrees from above, as near as the viewport's shape
+/// (width over height) lets it fit.
+Pose home_pose(const scene::Ground& ground, double aspect);
 
 /// The pose of a view.
 Pose pose_of(const View& view);

@@ -9,6 +9,7 @@ ShownMethod::ShownMethod(const TerrainFlags& flags, const std::string& method,
 
 void ShownMethod::refine(const View& view, const lod::RefineOptions& options) {
   engine_->refine(view, options, list_);
+  refined_ = true;
 }
 
 void ShownMethod::draw(const View& view, const render::Style& style, render::Frame& frame) {

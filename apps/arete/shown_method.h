@@ -21,6 +21,7 @@ class ShownMethod {
   /// Draws the latest list, perhaps from another camera than it was refined for.
   void draw(const View& view, const render::Style& style, render::Frame& frame);
 
+  bool refined() const { return refined_; }  ///< false before the first refine
   const std::string& name() const { return name_; }
   const RefineStats& refine_stats() const { return list_.stats; }
   const render::DrawStats& draw_stats() const { return renderer_.stats(); }
@@ -30,6 +31,7 @@ class ShownMethod {
   std::unique_ptr<lod::Engine> engine_;
   render::Renderer renderer_;
   DrawList list_;
+  bool refined_ = false;
 };
 
 }  // namespace arete::app

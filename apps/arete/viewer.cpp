@@ -28,6 +28,10 @@ fs::path free_name(const std::string& stem, const std::string& extension) {
   }
 }
 
+double aspect(FrameSize size) {
+  return static_cast<double>(size.width) / size.height;
+}
+
 scene::Keyframe keyframe(double t, const Pose& pose) {
   return {t, pose.eye, pose.yaw, pose.pitch, pose.fovy};
 }
@@ -43,7 +47,7 @@ Viewer::Viewer(const ViewFlags& flags)
       rasters_(*terrain_),
       shown_(std::make_unique<ShownMethod>(flags.flight.terrain, flags.method, *terrain_,
                                            rasters_.land, flags.flight.gpu_memory.count)),
-      controls_(ground_, home_pose(ground_)),
+      controls_(ground_, home_pose(ground_, aspect(flags.flight.size))),
       tolerance_px_(static_cast<float>(flags.flight.refine_options().tolerance_px)) {
   if (!flags.flight.path.empty()) {
     path_ = scene::make_path(flags.flight.path, ground_of(*terrain_, store::Fetch::kWait));
@@ -65,11 +69,11 @@ void Viewer::run() {
 
 void Viewer::show_frame() {
   window_.begin();
-  act_on_keys();
   resize(window_.size());
+  act_on_keys();
   move_camera();
   view_ = make_view(controls_.pose(), frame_->width(), frame_->height());
-  if (!frozen_) {
+  if (!frozen_ || !shown_->refined()) {
     lod::RefineOptions options = flags_.flight.refine_options();
     options.tolerance_px = static_cast<double>(tolerance_px_);
     options.on_missing = scripted() ? lod::OnMissing::kWait : lod::OnMissing::kDefer;
@@ -111,7 +115,7 @@ void Viewer::press(int key) {
       return toggle_recording();
     case GLFW_KEY_SPACE:
       path_.reset();
-      return controls_.glide_to(home_pose(ground_));
+      return controls_.glide_to(home_pose(ground_, aspect({frame_->width(), frame_->height()})));
     case GLFW_KEY_F12:
       return save_screenshot(free_name("arete", ".png"));
     case GLFW_KEY_W:
@@ -134,7 +138,6 @@ void Viewer::next_method() {
     auto shown = std::make_unique<ShownMethod>(flags_.flight.terrain, next, *terrain_,
                                                rasters_.land, flags_.flight.gpu_memory.count);
     shown_ = std::move(shown);
-    frozen_ = false;
     message_.clear();
   } catch (const Error& error) {
     message_ = error.what();

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -133,17 +134,20 @@ TEST(MapCamera, TurningKeepsThePivot) {
   }
 }
 
-TEST(MapCamera, HomeSeesTheWholeTerrain) {
+TEST(MapCamera, HomeSeesTheWholeTerrainAndNotMuchElse) {
   const scene::Ground ground = hills();
-  const View view = make_view(home_pose(ground), kWidth, kHeight);
-  for (const auto& [col, row] : {std::pair{0, 0}, {100, 0}, {0, 80}, {100, 80}}) {
-    const glm::dvec3 p =
-        project(view, glm::dvec3(ground.world_from_post.apply(col, row), ground.height(col, row)));
-    EXPECT_GT(p.z, 0);
-    EXPECT_GT(p.x, 0);
-    EXPECT_LT(p.x, kWidth);
-    EXPECT_GT(p.y, 0);
-    EXPECT_LT(p.y, kHeight);
+  for (const int width : {300, 800, 1600}) {
+    const View view = make_view(home_pose(ground, width / 600.0), width, 600);
+    double nearest_edge = 1e9;
+    for (const auto& [col, row] : {std::pair{0, 0}, {100, 0}, {0, 80}, {100, 80}}) {
+      const glm::dvec3 p = project(
+          view, glm::dvec3(ground.world_from_post.apply(col, row), ground.height(col, row)));
+      EXPECT_GT(p.z, 0);
+      nearest_edge =
+          std::min({nearest_edge, p.x / width, 1 - p.x / width, p.y / 600, 1 - p.y / 600});
+    }
+    EXPECT_GT(nearest_edge, 0) << width;
+    EXPECT_LT(nearest_edge, 0.1) << width;
   }
 }
 

@@ -27,7 +27,7 @@ class ControlsTest : public testing::Test {
   }
 
   scene::Ground ground_ = hills();
-  Controls controls_{ground_, home_pose(ground_)};
+  Controls controls_{ground_, home_pose(ground_, 4.0 / 3)};
   glm::dvec2 cursor_{400, 300};
 };
 
