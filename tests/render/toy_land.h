@@ -37,6 +37,7 @@ class ToyRaster : public RasterSource {
  public:
   using Texel = std::function<std::uint8_t(int level, int x, int y, int channel)>;
   ToyRaster(int width, int height, int channels, int tile_size, Texel texel);
+  void set_texels_per_post_log2(int log2) { shape_.texels_per_post_log2 = log2; }
   RasterShape shape() const override { return shape_; }
   Texels read(TileId id) const override;
   int reads() const { return reads_; }
