@@ -30,7 +30,7 @@ constexpr std::array<Stop, 4> kSea{
     {{0.00, {10, 24, 58}}, {0.55, {18, 56, 104}}, {0.90, {46, 108, 146}}, {1.00, {98, 158, 172}}}};
 
 glm::dvec3 colour_at(std::span<const Stop> stops, double t) {
-  t = std::clamp(t, 0.0, 1.0);
+  t = std::clamp(t, stops.front().at, stops.back().at);
   std::size_t i = 1;
   while (i + 1 < stops.size() && stops[i].at < t) ++i;
   const Stop& a = stops[i - 1];
