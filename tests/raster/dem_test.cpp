@@ -442,18 +442,42 @@ TEST_F(DemTest, ZippedDemOpensIfItIsTheOnlyOne) {
   EXPECT_EQ(code_of({dir_ / "broken.zip"}), ErrorCode::kInvalidInput);
 }
 
-TEST_F(DemTest, DamageIsToldWithItsRow) {
-  GridFile grid{.cols = 64, .rows = 64, .options = {"COMPRESS=DEFLATE", "BLOCKYSIZE=8"}};
-  grid.values.clear();
+// A row of a file cut short is whole or refused, however often and in whatever order it is asked
+// for. (GDAL 3.6 itself gives a failed tile as zeros the second time it is asked for.)
+TEST_F(DemTest, RowsOfAFileCutShortAreNeverWrong) {
+  constexpr int kSide = 700;
+  GridFile grid{.cols = kSide, .rows = kSide, .values = {}};
   std::mt19937 random(11);
-  for (int i = 0; i < 64 * 64; ++i) grid.values.push_back(static_cast<double>(random() % 3000));
-  write_grid(dir_ / "d.tif", grid);
-  const auto whole = read_all(*open_dem({dir_ / "d.tif"}));
+  for (int i = 0; i < kSide * kSide; ++i) {
+    grid.values.push_back(1 + static_cast<double>(random() % 3000));
+  }
+  write_grid(dir_ / "whole.tif", grid);
+  // A copy has its directory in front, so that it opens when it is cut.
+  convert(dir_ / "whole.tif", dir_ / "d.tif", "GTiff",
+          {"COMPRESS=DEFLATE", "TILED=YES", "BLOCKXSIZE=128", "BLOCKYSIZE=128"});
   std::filesystem::resize_file(dir_ / "d.tif", std::filesystem::file_size(dir_ / "d.tif") / 2);
-  EXPECT_THAT(whole, Not(IsEmpty()));
-  const ErrorCode code = code_of({dir_ / "d.tif"});
-  EXPECT_TRUE(code == ErrorCode::kCorrupt || code == ErrorCode::kUnsupported);
-  EXPECT_THAT(text_, HasSubstr("d.tif: "));
+  const auto dem = open_dem({dir_ / "d.tif"});
+  int good = 0, refused = 0;
+  std::vector<float> row(kSide);
+  for (int pass = 0; pass < 3; ++pass) {
+    for (int i = 0; i < kSide; ++i) {
+      const int r = pass == 1 ? kSide - 1 - i : i;
+      try {
+        dem->read_row(r, row);
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::kCorrupt);
+        EXPECT_THAT(error.what(), HasSubstr("d.tif: row " + std::to_string(r) + " "));
+        ++refused;
+        continue;
+      }
+      ++good;
+      for (std::size_t c = 0; c < kSide; ++c) {
+        ASSERT_EQ(row[c], grid.values[static_cast<std::size_t>(r) * kSide + c]) << r << ' ' << c;
+      }
+    }
+  }
+  EXPECT_GE(refused, 3 * 100);
+  EXPECT_GE(good, 3 * 128);
 }
 
 TEST_F(DemTest, AbsentAndForeignFilesAreRefused) {

@@ -24,6 +24,12 @@ GDALDriver& driver_named(const char* name) {
   return *driver;
 }
 
+CPLStringList option_list(const std::vector<std::string>& names) {
+  CPLStringList options;
+  for (const std::string& name : names) options.AddString(name.c_str());
+  return options;
+}
+
 void describe(GDALDataset& dataset, const GridFile& grid) {
   if (!grid.geotransform.empty()) {
     std::vector<double> gt = grid.geotransform;
@@ -60,8 +66,7 @@ TempDir::~TempDir() {
 void write_grid(const std::filesystem::path& file, const GridFile& grid) {
   GDALDriver& driver = driver_named("GTiff");
   const Messages messages;
-  CPLStringList options;
-  for (const std::string& option : grid.options) options.AddString(option.c_str());
+  const CPLStringList options = option_list(grid.options);
   Dataset dataset(
       driver.Create(file.c_str(), grid.cols, grid.rows, grid.bands, grid.type, options.List()));
   if (!dataset) throw std::runtime_error(messages.text("Create failed"));
@@ -78,13 +83,15 @@ void write_grid(const std::filesystem::path& file, const GridFile& grid) {
   }
 }
 
-void convert(const std::filesystem::path& from, const std::filesystem::path& to,
-             const char* driver) {
+void convert(const std::filesystem::path& from, const std::filesystem::path& to, const char* driver,
+             const std::vector<std::string>& names) {
   const Messages messages;
   GDALDriver& target = driver_named(driver);
+  const CPLStringList options = option_list(names);
   const Dataset source(GDALDataset::Open(from.c_str(), GDAL_OF_RASTER));
   const Dataset copy(
-      source ? target.CreateCopy(to.c_str(), source.get(), 0, nullptr, nullptr, nullptr) : nullptr);
+      source ? target.CreateCopy(to.c_str(), source.get(), 0, options.List(), nullptr, nullptr)
+             : nullptr);
   if (!copy) throw std::runtime_error(messages.text("CreateCopy failed") + " by " + driver);
 }
 

@@ -40,8 +40,8 @@ struct GridFile {
 /// Writes it with the GTiff driver.
 void write_grid(const std::filesystem::path& file, const GridFile& grid);
 /// Copies a GeoTIFF into another format.
-void convert(const std::filesystem::path& from, const std::filesystem::path& to,
-             const char* driver);
+void convert(const std::filesystem::path& from, const std::filesystem::path& to, const char* driver,
+             const std::vector<std::string>& options = {});
 void write_text(const std::filesystem::path& file, const std::string& text);
 
 /// All rows, row-major.

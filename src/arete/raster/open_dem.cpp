@@ -73,8 +73,7 @@ struct Shape {
 };
 
 // The file may have been replaced since it was looked at: buffers are made for `shape`.
-std::unique_ptr<Samples> reopen_samples(const fs::path& file, const std::vector<int>& bands,
-                                        Shape shape) {
+Dataset reopen_dataset(const fs::path& file, const std::vector<int>& bands, Shape shape) {
   const std::string name = display_name(file);
   Dataset dataset = open_fenced(file, Purpose::kDem, nullptr);
   const bool same = dataset->GetRasterXSize() == shape.cols &&
@@ -86,7 +85,7 @@ std::unique_ptr<Samples> reopen_samples(const fs::path& file, const std::vector<
                 fmt::format("{}: changed while it was read: start again", name));
   }
   check_shape(*dataset, std::max(shape.cols, shape.rows), name);
-  return gdal_samples(std::move(dataset), bands, name);
+  return dataset;
 }
 
 std::unique_ptr<DemFile> open_gdal(const fs::path& file, const DemOptions& options,
@@ -114,11 +113,10 @@ std::unique_ptr<DemFile> open_gdal(const fs::path& file, const DemOptions& optio
     bands = {pick_band(*dataset, options, name, notes)};
     parts.format.rule = value_rule(*dataset->GetRasterBand(bands.front()), options, name, notes);
   }
-  parts.reopen = [file, bands, cols = parts.cols, rows = parts.rows,
-                  type = parts.format.rule.type] {
-    return reopen_samples(file, bands, {cols, rows, type});
-  };
-  parts.samples = gdal_samples(std::move(dataset), std::move(bands), name);
+  const Shape shape{parts.cols, parts.rows, parts.format.rule.type};
+  const auto open = [file, bands, shape] { return reopen_dataset(file, bands, shape); };
+  parts.reopen = [bands, name, open] { return gdal_samples(open(), bands, name, open); };
+  parts.samples = gdal_samples(std::move(dataset), bands, name, open);
   return std::make_unique<DemFile>(std::move(parts));
 }
 

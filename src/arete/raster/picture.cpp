@@ -67,7 +67,8 @@ class Reader {
     sample_bytes_ = type == GDT_Byte ? 1 : 2;
     bands_ = bands.size();
     raw_.resize(width_ * bands_ * sample_bytes_);
-    samples_ = gdal_samples(std::move(file.dataset), std::move(bands), file.name);
+    const auto open = [path = file.path] { return open_fenced(path, Purpose::kPicture, nullptr); };
+    samples_ = gdal_samples(std::move(file.dataset), std::move(bands), file.name, open);
   }
 
   void read(int row) { samples_->read(row, 1, raw_.data()); }
@@ -104,6 +105,7 @@ int shrunk(int side, int shrink) {
 PictureFile open_picture(const std::filesystem::path& path) {
   PictureFile file;
   file.name = display_name(path);
+  file.path = path;
   file.dataset = open_fenced(path, Purpose::kPicture, nullptr);
   const Messages messages;
   check_shape(*file.dataset, kMaxSide, file.name);

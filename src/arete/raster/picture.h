@@ -19,6 +19,7 @@ struct Picture {
 /// A picture that is open but not read.
 struct PictureFile {
   std::string name;
+  std::filesystem::path path;
   Dataset dataset;
   GridPlace place;  ///< of its pixel centres; crs empty when it does not say
   int width = 0, height = 0;

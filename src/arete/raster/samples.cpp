@@ -5,6 +5,7 @@
 #include <fstream>
 #include <utility>
 
+#include <cpl_conv.h>
 #include <fmt/format.h>
 
 #include "arete/core/error.h"
@@ -21,10 +22,25 @@ static_assert(std::endian::native == std::endian::little, "raw files are read as
                           name, row, why));
 }
 
+// GDAL_NUM_THREADS for what this thread opens while it lives.
+class ThreadOption {
+ public:
+  explicit ThreadOption(const char* threads) {
+    CPLSetThreadLocalConfigOption("GDAL_NUM_THREADS", threads);
+  }
+  ~ThreadOption() { CPLSetThreadLocalConfigOption("GDAL_NUM_THREADS", nullptr); }
+  ThreadOption(const ThreadOption&) = delete;
+  ThreadOption& operator=(const ThreadOption&) = delete;
+};
+
 class GdalSamples final : public Samples {
  public:
-  GdalSamples(Dataset dataset, std::vector<int> bands, std::string name)
-      : dataset_(std::move(dataset)), bands_(std::move(bands)), name_(std::move(name)) {
+  GdalSamples(Dataset dataset, std::vector<int> bands, std::string name,
+              std::function<Dataset()> open)
+      : dataset_(std::move(dataset)),
+        bands_(std::move(bands)),
+        name_(std::move(name)),
+        open_(std::move(open)) {
     GDALRasterBand& band = *dataset_->GetRasterBand(bands_.front());
     type_ = band.GetRasterDataType();
     int width = 0;
@@ -36,6 +52,7 @@ class GdalSamples final : public Samples {
   void read(int first, int rows, std::byte* out) override {
     std::string why;
     if (try_read(first, rows, out, why)) return;
+    reopen_single_threaded();
     // Row by row, so that what is whole is delivered and the message names the first bad row.
     const auto row_bytes = static_cast<std::size_t>(dataset_->GetRasterXSize()) * sample_bytes();
     for (int r = 0; r < rows; ++r) {
@@ -56,13 +73,25 @@ class GdalSamples final : public Samples {
     const CPLErr result = dataset_->RasterIO(
         GF_Read, 0, first, cols, rows, out, cols, rows, type_, static_cast<int>(bands_.size()),
         bands_.data(), pixel, pixel * cols, GDALGetDataTypeSizeBytes(type_), nullptr);
-    why = messages.text("its bytes are not those of a whole block");
+    why = messages.text("no reason given");
     return result == CE_None && !messages.failed();
+  }
+
+  // GDAL 3.6 decodes GeoTIFF tiles on two threads; a tile that failed there stays in its cache as
+  // if it were whole, and a second read gives whatever lies in it. Never read that dataset again.
+  void reopen_single_threaded() {
+    if (single_threaded_) return;
+    dataset_.reset();
+    const ThreadOption one("1");
+    dataset_ = open_();
+    single_threaded_ = true;
   }
 
   Dataset dataset_;
   std::vector<int> bands_;
   std::string name_;
+  std::function<Dataset()> open_;
+  bool single_threaded_ = false;
   GDALDataType type_ = GDT_Unknown;
   int block_rows_ = 1;
 };
@@ -95,8 +124,10 @@ class RawSamples final : public Samples {
 
 }  // namespace
 
-std::unique_ptr<Samples> gdal_samples(Dataset dataset, std::vector<int> bands, std::string name) {
-  return std::make_unique<GdalSamples>(std::move(dataset), std::move(bands), std::move(name));
+std::unique_ptr<Samples> gdal_samples(Dataset dataset, std::vector<int> bands, std::string name,
+                                      std::function<Dataset()> open) {
+  return std::make_unique<GdalSamples>(std::move(dataset), std::move(bands), std::move(name),
+                                       std::move(open));
 }
 
 std::unique_ptr<Samples> raw_samples(const std::filesystem::path& file, int cols,

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,8 +22,10 @@ class Samples {
 };
 
 /// Full-width rows of `bands` (1-based, of one type) of an open file; never decimated, so that
-/// overviews and what they may refer to are not touched.
-std::unique_ptr<Samples> gdal_samples(Dataset dataset, std::vector<int> bands, std::string name);
+/// overviews and what they may refer to are not touched. `open` gives the same file afresh, once a
+/// read has failed.
+std::unique_ptr<Samples> gdal_samples(Dataset dataset, std::vector<int> bands, std::string name,
+                                      std::function<Dataset()> open);
 
 /// Little-endian samples of `sample_bytes` bytes without a header. Throws: kIo.
 std::unique_ptr<Samples> raw_samples(const std::filesystem::path& file, int cols, int sample_bytes);

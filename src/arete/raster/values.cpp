@@ -117,17 +117,9 @@ Range<T> nodata_range(double nodata) {
   }
 }
 
+// Looked for only in rows whose samples reach that far: most never do.
 template <class T>
-std::int64_t count_equal(const T* samples, std::size_t count, T value) {
-  return std::count(samples, samples + count, value);
-}
-
-// Looked for only in rows whose extremes reach that far: most never do.
-template <class T>
-void count_suspects(const T* samples, std::size_t count, const std::vector<Range<T>>& nodata,
-                    Tally& tally) {
-  const auto [low, high] = std::minmax_element(samples, samples + count);
-  if (!(static_cast<double>(*low) <= -9999 || static_cast<double>(*high) >= 65535)) return;
+void count_suspects(std::span<const T> samples, const std::vector<Range<T>>& nodata, Tally& tally) {
   for (std::size_t k = 0; k < kSuspects.size(); ++k) {
     const Range<T> range = nodata_range<T>(kSuspects[k]);
     if (!(range.low <= range.high)) continue;
@@ -135,31 +127,48 @@ void count_suspects(const T* samples, std::size_t count, const std::vector<Range
     const bool declared = std::any_of(nodata.begin(), nodata.end(), [&](const Range<T>& r) {
       return value >= r.low && value <= r.high;
     });
-    if (!declared) tally.spelt[k] += count_equal(samples, count, value);
+    if (!declared) tally.spelt[k] += std::count(samples.begin(), samples.end(), value);
   }
 }
 
+// Infinite and far ones that nothing declares to be no data.
+template <class T>
+std::int64_t count_beyond(std::span<const T> samples, const std::vector<Range<T>>& nodata,
+                          const ValueRule& rule) {
+  return std::count_if(samples.begin(), samples.end(), [&](T v) {
+    const double z = static_cast<double>(v) * rule.step_m + rule.offset_m;
+    const bool declared = std::any_of(nodata.begin(), nodata.end(),
+                                      [&](const Range<T>& r) { return v >= r.low && v <= r.high; });
+    return !declared && std::abs(z) > rule.limit_m;
+  });
+}
+
+// The loop has no branches and no counters, so that compilers vectorise it; what is rare is
+// counted in a second pass over the rows that have it.
 template <class T>
 void decode_as(const ValueRule& rule, const std::byte* bytes, std::span<float> out, Tally& tally) {
-  const T* samples = reinterpret_cast<const T*>(bytes);
+  const std::span<const T> samples(reinterpret_cast<const T*>(bytes), out.size());
   std::vector<Range<T>> nodata;
   for (const double value : rule.nodata) nodata.push_back(nodata_range<T>(value));
   const Range<T> first = nodata.empty() ? Range<T>{} : nodata[0];
   const Range<T> second = nodata.size() < 2 ? Range<T>{} : nodata[1];
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-  std::int64_t beyond = 0;
-  for (std::size_t i = 0; i < out.size(); ++i) {
+  const double step = rule.step_m, offset = rule.offset_m, limit = rule.limit_m;
+  int any_far = 0, any_extreme = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
     const T v = samples[i];
-    const double z = static_cast<double>(v) * rule.step_m + rule.offset_m;
-    const bool declared =
+    const double raw = static_cast<double>(v);
+    const double z = raw * step + offset;
+    const int declared =
         ((v >= first.low) & (v <= first.high)) | ((v >= second.low) & (v <= second.high));
-    const bool far = !(std::abs(z) <= rule.limit_m);
-    beyond += far & !declared & (z == z);
-    out[i] = declared | far ? kNone : static_cast<float>(z);
+    const int near = std::abs(z) <= limit;
+    any_far |= near ^ 1;
+    any_extreme |= (raw <= -9999) | (raw >= 65535);
+    out[i] = (declared | (near ^ 1)) != 0 ? kNone : static_cast<float>(z);
   }
-  tally.beyond += beyond;
   tally.posts += static_cast<std::int64_t>(out.size());
-  count_suspects(samples, out.size(), nodata, tally);
+  if (any_far != 0) tally.beyond += count_beyond(samples, nodata, rule);
+  if (any_extreme != 0) count_suspects(samples, nodata, tally);
 }
 
 // The largest |height| that samples of the type can stand for.
