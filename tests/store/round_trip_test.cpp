@@ -88,7 +88,6 @@ class RoundTrip : public testing::TestWithParam<std::tuple<int, int, int>> {};
 TEST_P(RoundTrip, IntegersComeBackAsTheyWere) {
   const auto [cols, rows, holes] = GetParam();
   Heightfield field = make_hills(cols, rows, 7);
-  if (holes < 0) punch_holes(field, 0, 1);
   punch_holes(field, holes, 11);
   TemporaryFolder folder;
   const auto terrain = Terrain::open(build_store(folder, field));
@@ -106,6 +105,85 @@ INSTANTIATE_TEST_SUITE_P(Shapes, RoundTrip,
                                          std::tuple{3, 257, 0}, std::tuple{700, 515, 0},
                                          std::tuple{700, 515, 3}, std::tuple{400, 640, 8},
                                          std::tuple{520, 130, 60}, std::tuple{385, 385, 200}));
+
+TEST(RoundTripTest, NothingButNodataBuildsAndIsEmpty) {
+  Heightfield field(300, 200);
+  for (int r = 0; r < 200; ++r)
+    for (int c = 0; c < 300; ++c) field[{c, r}] = kNoData;
+  TemporaryFolder folder;
+  const auto terrain = Terrain::open(build_store(folder, field));
+  EXPECT_EQ(terrain->manifest().nodata_share, 1);
+  EXPECT_EQ(terrain->manifest().drawable_cells, 0U);
+  EXPECT_TRUE(terrain->keys("heights").empty());
+  EXPECT_EQ(first_difference(field, *terrain->height_source(), 0), "");
+}
+
+TEST(RoundTripTest, InfinitiesAreHoles) {
+  Heightfield field = make_hills(140, 140, 3);
+  field[{5, 5}] = std::numeric_limits<float>::infinity();
+  field[{130, 90}] = -std::numeric_limits<float>::infinity();
+  TemporaryFolder folder;
+  const auto terrain = Terrain::open(build_store(folder, field));
+  field[{5, 5}] = field[{130, 90}] = kNoData;
+  EXPECT_EQ(first_difference(field, *terrain->height_source(), 0), "");
+  EXPECT_NEAR(terrain->manifest().nodata_share, 2.0 / (140 * 140), 1e-12);
+}
+
+// Floats of a range that 2^-10 m cannot hold: the lattice is made coarser, and the error told is
+// the largest there is.
+TEST(RoundTripTest, FloatsKeepTheErrorThatTheManifestStates) {
+  for (const float range : {10.0F, 3e4F, 3e8F, 1e30F}) {
+    SCOPED_TRACE(range);
+    Heightfield field(200, 131);
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> height(-range, range);
+    for (int r = 0; r < 131; ++r)
+      for (int c = 0; c < 200; ++c) field[{c, r}] = height(random);
+    TemporaryFolder folder;
+    const auto terrain = Terrain::open(build_store(folder, field));
+    const Manifest& m = terrain->manifest();
+    EXPECT_LE(m.max_store_error_m, m.quantum_m / 2);
+    EXPECT_EQ(std::exp2(std::round(std::log2(m.quantum_m))), m.quantum_m);
+    EXPECT_EQ(first_difference(field, *terrain->height_source(), m.max_store_error_m), "");
+    // Negative control: a smaller bound must be broken.
+    if (m.max_store_error_m > 0) {
+      EXPECT_NE(first_difference(field, *terrain->height_source(), m.max_store_error_m * 0.99), "");
+    }
+  }
+}
+
+TEST(RoundTripTest, FeetAndOffsetsAreLossless) {
+  Heightfield field(150, 150);
+  std::mt19937 random(9);
+  for (int r = 0; r < 150; ++r)
+    for (int c = 0; c < 150; ++c)
+      field[{c, r}] = static_cast<float>(100.5 + 0.3048 * static_cast<int>(random() % 20000));
+  field.set_lattice({true, 0.3048, 100.5});
+  TemporaryFolder folder;
+  const auto terrain = Terrain::open(build_store(folder, field));
+  EXPECT_EQ(terrain->manifest().max_store_error_m, 0);
+  EXPECT_EQ(first_difference(field, *terrain->height_source(), 0), "");
+}
+
+// Filled heights lie within the data's range and do not depend on what stands in the hole.
+TEST(RoundTripTest, HolesAreFilledWithinTheRange) {
+  Heightfield field = make_hills(500, 400, 21);
+  punch_holes(field, 6, 2);
+  TemporaryFolder folder;
+  const auto terrain = Terrain::open(build_store(folder, field));
+  const Manifest& m = terrain->manifest();
+  int filled = 0;
+  for (const std::uint64_t key : terrain->keys("heights")) {
+    const auto tile = terrain->heights(TileId::from_key(key), Fetch::kWait);
+    ASSERT_TRUE(tile);
+    for (const std::int32_t count : tile->counts) {
+      ASSERT_GE(terrain->z_of(count), m.z_min);
+      ASSERT_LE(terrain->z_of(count), m.z_max);
+    }
+    filled += tile->valid.empty() ? 0 : 1;
+  }
+  EXPECT_GT(filled, 0);
+}
 
 }  // namespace
 }  // namespace arete::store

@@ -1,6 +1,7 @@
 #include "arete/store/manifest.h"
 
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -78,8 +79,10 @@ Manifest from_json(const Json& json) {
 bool is_sane(const Manifest& m) {
   const bool sized = m.cols >= 1 && m.rows >= 1 && m.cols <= kMaxSide && m.rows <= kMaxSide;
   const bool lattice = std::isfinite(m.quantum_m) && m.quantum_m > 0 && std::isfinite(m.offset_m);
+  std::set<std::string_view> names;
   bool named = true;
-  for (const SegmentRecord& s : m.segments) named = named && is_segment_name(s.name);
+  for (const SegmentRecord& s : m.segments)
+    named = named && is_segment_name(s.name) && names.insert(s.name).second;
   return sized && lattice && named;
 }
 

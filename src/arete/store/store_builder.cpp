@@ -91,6 +91,7 @@ void StoreBuilder::record(const SegmentReader& finished) {
 }
 
 void StoreBuilder::add(const SegmentRecord& record) {
+  std::erase_if(manifest.segments, [&](const SegmentRecord& s) { return s.name == record.name; });
   manifest.segments.push_back(record);
   if (terrain_) {
     terrain_->impl_->add_segment(record);

@@ -82,15 +82,12 @@ void Terrain::Impl::add_segment(const SegmentRecord& record) {
   if (reader->name() != record.name || reader->id() != record.id)
     throw Error(ErrorCode::kCorrupt,
                 file.string() + ": not the segment that the manifest names: rebuild the store");
-  const int old = find_segment(record.name);
-  if (old >= 0)
-    throw Error(ErrorCode::kCorrupt, file.string() + ": named twice: rebuild the store");
   segments.push_back(std::move(reader));
   if (record.name == kHeights) heights_segment = static_cast<int>(segments.size()) - 1;
 }
 
 int Terrain::Impl::find_segment(std::string_view name) const {
-  for (std::size_t i = 0; i < segments.size(); ++i)
+  for (std::size_t i = segments.size(); i-- > 0;)
     if (segments[i]->name() == name) return static_cast<int>(i);
   return -1;
 }
@@ -240,11 +237,13 @@ std::uint64_t Terrain::check_all(const std::function<void(double)>& progress) co
   std::uint64_t total = 0;
   for (const auto& segment : impl_->segments) total += segment->page_count();
   std::uint64_t before = 0;
+  const auto report = [&](std::uint64_t pages) {
+    if (progress) progress(static_cast<double>(before + pages) / static_cast<double>(total));
+  };
   for (const auto& segment : impl_->segments) {
-    segment->check_all([&](std::uint64_t pages) {
-      if (progress) progress(static_cast<double>(before + pages) / static_cast<double>(total));
-    });
+    segment->check_all(report);
     before += segment->page_count();
+    report(0);
   }
   return total;
 }

@@ -19,7 +19,8 @@ namespace arete::store {
 struct Terrain::Impl {
   Impl(std::filesystem::path store, OpenOptions open_options);
 
-  /// Opens the segment's file and adds it. Not while other threads use the terrain.
+  /// Opens the segment's file and adds it; from then on it stands for an older one of its name,
+  /// whose cached blocks are of no more use. Not while other threads use the terrain.
   /// Throws: kCorrupt when it is not the recorded segment.
   void add_segment(const SegmentRecord& record);
   /// Index into `segments`, or -1.
