@@ -224,8 +224,8 @@ class RowScan {
 
 template <typename Event>
 std::span<const Event> events_of(const std::vector<Event>& events, std::int32_t row) {
-  const auto range = std::ranges::equal_range(events, row, {}, &Event::row);
-  return {range.begin(), range.end()};
+  return {std::ranges::lower_bound(events, row, {}, &Event::row),
+          std::ranges::upper_bound(events, row, {}, &Event::row)};
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "arete/proof/post_row.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace arete::proof {
@@ -24,7 +25,7 @@ void ScreenShift::squared_px(Post first, const double* from, const double* to,
     const double f = dz / (moved_w * w);
     const double px = sx * f * (up.x * w - x * up.z);
     const double py = sy * f * (up.y * w - y * up.z);
-    const double before_near = (moved_w < near) | (w < near) ? kInfinite : 0.0;
+    const double before_near = ((moved_w < near) | (w < near)) ? kInfinite : 0.0;
     out[static_cast<std::size_t>(i)] = px * px + py * py + before_near;
   }
 }
@@ -39,8 +40,9 @@ void ScreenShift::drop_unseen(Post first, const RowValues& z, RowValues& values)
     const double x = start.x + i * col.x + z[k] * up.x;
     const double y = start.y + i * col.y + z[k] * up.y;
     const double w = start.z + i * col.z + z[k] * up.z;
-    const bool seen = (w >= near) & (std::abs(x) <= w) & (std::abs(y) <= w);  // false for NaN
-    values[k] = seen ? values[k] : -1.0;
+    // One comparison, so that no branch is left; false for NaN.
+    const double margin = std::min({w - near, w - std::abs(x), w - std::abs(y)});
+    values[k] = margin >= 0 ? values[k] : -1.0;
   }
 }
 
