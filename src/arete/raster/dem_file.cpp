@@ -14,17 +14,16 @@ namespace arete::raster {
 namespace {
 
 constexpr std::int64_t kSurveyPosts = 4 << 20;
-constexpr std::size_t kMaxBlockRowBytes = std::size_t{256} << 20U;
 
-// Whole block rows if they fit, near 256 rows at most; a block row alone may take more.
+// Whole block rows, near 256 rows at most. A single block row may take four times the buffer: each
+// part of it that is read alone costs decoding the whole.
 int pick_chunk_rows(const DemFile::Parts& parts, int block_rows, std::size_t row_bytes) {
   const auto fitting = [&](std::size_t bytes) {
     return static_cast<int>(std::clamp<std::size_t>(bytes / row_bytes, 1, 1U << 24U));
   };
   const int block = std::clamp(block_rows, 1, parts.rows);
   const int most = fitting(parts.buffer_bytes);
-  if (block > most)
-    return std::min(block, fitting(std::max(kMaxBlockRowBytes / 4, parts.buffer_bytes)));
+  if (block > most) return std::min(block, fitting(4 * parts.buffer_bytes));
   return std::min(parts.rows, block * std::max(1, std::min(256, most) / block));
 }
 
