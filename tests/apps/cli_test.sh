@@ -29,7 +29,7 @@ present() { [[ -s $1 ]] || fault "not made: $1"; }
 keys() { for key in "$@"; do says stdout "\"$key\":"; done; }
 
 # Help.
-verbs="build info view render verify bench synth"
+verbs="build info view render verify bench export synth"
 for verb in $verbs; do
   expect 0 "$verb" --help
   says stdout "arete $verb "
@@ -110,6 +110,14 @@ absent lost.png
 absent lost.mp4
 absent lost
 
+# A mesh, and how far it is from the samples.
+expect 0 export t.arete -o mesh.glb --max-error 2 --json
+keys triangles vertices max_error_m rmse_m seconds watertight
+says stdout '"watertight": true'
+present mesh.glb
+expect 2 export t.arete -o mesh.3ds
+absent mesh.3ds
+
 # A DEM in place of a store is built into the cache, once.
 expect 0 render "my dem.tif" -o cached.png --size 160x90
 [[ $(find cache/arete -maxdepth 1 -name '*.arete' | wc -l) == 1 ]] || fault "no store in the cache"
@@ -125,6 +133,25 @@ expect 1 info damaged.arete --check
 says stderr "damaged.arete"
 truncate -s -100 "$segment"
 expect 1 info damaged.arete
+
+# Ctrl-C: one line, exit 1, nothing at -o; a build goes on from there.
+interrupt() {  # SECONDS ARGS...: 0 when the command was caught at work
+  local got=0
+  "$arete" "${@:2}" >stdout 2>stderr &
+  sleep "$1"
+  kill -INT $! 2>/dev/null
+  wait $! || got=$?
+  ((got != 0)) || return 1  # it was done before the signal came
+  [[ $got == 1 && $(wc -l <stderr) == 1 ]] || fault "interrupted: exit $got: $(cat stderr)"
+  says stderr "interrupted"
+}
+interrupt 0.7 render t.arete -o many --frames 100000 --size 160x90 || fault "100,000 frames in 0.7 s"
+absent many
+expect 0 synth -o large.tif --size 2049 --quiet
+if interrupt 0.3 build large.tif -o large.arete --threads 1 --quiet; then absent large.arete; fi
+expect 0 build large.tif -o large.arete --quiet
+expect 0 info large.arete --check
+absent large.arete.part
 
 # Without a display the viewer names what to use instead.
 expect 1 view t.arete
