@@ -117,8 +117,9 @@ void Batches::draw(const BlockArena& arena) const {
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, arena.buffer());
   const auto call = [](GLenum topology, std::uint64_t offset, std::size_t n) {
     if (n == 0) return;
-    glMultiDrawElementsIndirect(topology, GL_UNSIGNED_INT, reinterpret_cast<const void*>(offset),
-                                static_cast<GLsizei>(n), 0);
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): GL takes an offset as a pointer.
+    const auto* first = reinterpret_cast<const void*>(offset);
+    glMultiDrawElementsIndirect(topology, GL_UNSIGNED_INT, first, static_cast<GLsizei>(n), 0);
   };
   call(GL_TRIANGLES, commands_offset_, triangles_.size());
   call(GL_TRIANGLE_STRIP, commands_offset_ + triangles_.size() * sizeof(DrawCommand),

@@ -36,7 +36,9 @@ Clipmap::Clipmap(const RasterSource& source, std::uint64_t budget_bytes)
   while (glm::any(glm::greaterThan(tiles_of(whole_level_), tiles_))) ++whole_level_;
   ready_level_ = shape_.levels - 1;
   const int layers = shape_.levels - first_level_;
-  held_.assign(static_cast<std::size_t>(layers * tiles_.x * tiles_.y), kNoTile);
+  held_.assign(static_cast<std::size_t>(layers) * static_cast<std::size_t>(tiles_.x) *
+                   static_cast<std::size_t>(tiles_.y),
+               kNoTile);
   texture_ = make_texture(GL_TEXTURE_2D_ARRAY);
   glTextureStorage3D(texture_.get(), 1, storage_format(shape_.channels),
                      tiles_.x * shape_.tile_size, tiles_.y * shape_.tile_size, layers);

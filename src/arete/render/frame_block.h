@@ -23,7 +23,7 @@ struct FrameBlock {
   glm::ivec4 has;
   std::array<ClipBlock, 3> clips;
 };
-static_assert(sizeof(ClipBlock) == 16 * (4 + kClipLevels));
-static_assert(sizeof(FrameBlock) == 16 * (4 + 4 + 8) + 3 * sizeof(ClipBlock));
+static_assert(sizeof(ClipBlock) == sizeof(glm::vec4) * (4 + kClipLevels));
+static_assert(sizeof(FrameBlock) == sizeof(glm::vec4) * (4 + 4 + 8) + 3 * sizeof(ClipBlock));
 
 }  // namespace arete::render

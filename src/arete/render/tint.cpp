@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -87,7 +88,7 @@ Tint make_tint(double z_min, double z_max) {
     const double t = (i + 0.5) / kTexels;
     const glm::dvec3 c = has_sea && t < sea ? colour_at(kSea, t / sea)
                                             : colour_at(kLand, (t - sea) / (1 - sea) * top);
-    for (int k = 0; k < 3; ++k) texels.push_back(static_cast<std::uint8_t>(c[k] + 0.5));
+    for (int k = 0; k < 3; ++k) texels.push_back(static_cast<std::uint8_t>(std::lround(c[k])));
     texels.push_back(255);
   }
   Tint tint{make_texture(GL_TEXTURE_1D), has_sea ? static_cast<float>(sea) : -1.0F};

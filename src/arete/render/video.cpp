@@ -2,7 +2,6 @@
 #include <cassert>
 #include <cerrno>
 #include <csignal>
-#include <cstring>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -55,7 +54,8 @@ struct Pipe {
 Pipe make_pipe() {
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) {
-    throw Error(ErrorCode::kIo, fmt::format("ffmpeg: no pipe: {}", std::strerror(errno)));
+    throw Error(ErrorCode::kIo,
+                fmt::format("ffmpeg: no pipe: {}", std::generic_category().message(errno)));
   }
   return {ends[0], ends[1]};
 }
@@ -136,6 +136,7 @@ struct VideoWriter::Impl {
 
   void start(const std::vector<std::string>& words) {
     std::vector<char*> arguments;
+    arguments.reserve(words.size() + 1);
     for (const std::string& w : words) arguments.push_back(const_cast<char*>(w.c_str()));
     arguments.push_back(nullptr);
     const Pipe frames = make_pipe();
@@ -151,7 +152,7 @@ struct VideoWriter::Impl {
     wait_for_child();
     throw Error(ErrorCode::kUnsupported,
                 fmt::format("ffmpeg: cannot be started: {}: install the package ffmpeg",
-                            std::strerror(why)));
+                            std::generic_category().message(why)));
   }
 
   // Exit status of ffmpeg, -1 when it did not end by itself.
