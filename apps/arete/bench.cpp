@@ -1,6 +1,5 @@
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,9 +9,11 @@
 
 #include "arete/render/headless.h"
 
+#include "bench_report.h"
 #include "bench_run.h"
 #include "flags.h"
 #include "json.h"
+#include "text_file.h"
 #include "verbs.h"
 
 namespace arete::app {
@@ -22,18 +23,9 @@ struct BenchFlags {
   FlightFlags flight;
   std::string methods = "all";
   Drawing drawing = Drawing::kDraw;
+  std::filesystem::path report;
   bool json = false;
 };
-
-/// The smallest sample that at least `share` of the samples do not exceed.
-double quantile(std::vector<double> samples, double share) {
-  if (samples.empty()) {
-    return 0;
-  }
-  std::ranges::sort(samples);
-  const double rank = std::ceil(share * static_cast<double>(samples.size()));
-  return samples[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
-}
 
 Json times_json(const std::vector<double>& samples) {
   if (samples.empty()) {
@@ -95,31 +87,53 @@ void print_row(const BenchRun& r) {
       r.achieved_error_px);
 }
 
-void run(BenchFlags flags) {
-  const std::vector<std::string> methods = method_list(flags.methods);
-  const auto store = store_of(flags.flight.terrain, methods);
+std::string heading(const BenchFlags& flags, const Json& machine) {
+  const FlightFlags& f = flags.flight;
+  const Json& gl = machine["gl_renderer"];
+  return fmt::format("{}, path {}, {} frames of {} x {}, tolerance {:g} px. {}, {} threads, {}.",
+                     f.terrain.terrain.filename().string(), f.path, f.frames, f.size.width,
+                     f.size.height, f.refine_options().tolerance_px,
+                     machine["cpu"].get<std::string>(), machine["threads"].get<int>(),
+                     gl.is_null() ? "nothing drawn" : gl.get<std::string>());
+}
+
+/// Flies every method in turn, saying each one's row as it is done.
+std::vector<BenchRun> bench_methods(const BenchFlags& flags,
+                                    const std::vector<std::string>& methods) {
+  FlightFlags flight = flags.flight;
+  flight.terrain.terrain = store_of(flags.flight.terrain, methods);
+  if (!flags.json) {
+    print_header();
+  }
+  std::vector<BenchRun> runs;
+  for (const std::string& method : methods) {
+    runs.push_back(bench_method(flight, method, flags.drawing));
+    if (!flags.json) {
+      print_row(runs.back());
+    }
+  }
+  return runs;
+}
+
+void run(const BenchFlags& flags) {
   std::optional<render::HeadlessContext> context;
   if (flags.drawing == Drawing::kDraw) {
     context.emplace();
   }
-  Json runs = Json::array();
-  if (!flags.json) {
-    print_header();
-  }
-  const std::string terrain = flags.flight.terrain.terrain.string();
-  flags.flight.terrain.terrain = store;
-  for (const std::string& method : methods) {
-    const BenchRun result = bench_method(flags.flight, method, flags.drawing);
-    runs.push_back(json_of(flags, result));
-    if (!flags.json) {
-      print_row(result);
-    }
+  const Json machine = machine_json(context ? context->renderer() : "");
+  const std::vector<BenchRun> runs = bench_methods(flags, method_list(flags.methods));
+  if (!flags.report.empty()) {
+    write_text(flags.report, bench_report(heading(flags, machine), runs));
   }
   if (flags.json) {
-    print_json({{"machine", machine_json(context ? context->renderer() : "")},
-                {"terrain", terrain},
+    Json rows = Json::array();
+    for (const BenchRun& result : runs) {
+      rows.push_back(json_of(flags, result));
+    }
+    print_json({{"machine", machine},
+                {"terrain", flags.flight.terrain.terrain.string()},
                 {"path", flags.flight.path},
-                {"runs", runs}});
+                {"runs", rows}});
   }
 }
 
@@ -137,6 +151,7 @@ void add_bench(CLI::App& app) {
   add_gpu_memory(*verb, flags->flight.gpu_memory);
   verb->add_flag_callback(
       "--no-draw", [flags] { flags->drawing = Drawing::kSkip; }, "Time the refinement alone");
+  verb->add_option("--report", flags->report, "A page with a table and charts")->type_name("HTML");
   verb->add_flag("--json", flags->json, "Print JSON");
   add_quiet(*verb, flags->flight.terrain.talk);
   verb->callback([flags] { run(*flags); });

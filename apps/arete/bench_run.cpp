@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <optional>
 
 #include <epoxy/gl.h>
@@ -43,6 +44,7 @@ struct Canvas {
 
 void add_stats(const RefineStats& stats, BenchRun& run) {
   run.mean_triangles += static_cast<double>(stats.triangles) / run.frames;
+  run.triangles.push_back(static_cast<double>(stats.triangles));
   run.evaluated_vertices += stats.evaluated_vertices;
   run.visited_nodes += stats.visited_nodes;
   run.late_blocks += stats.late_blocks;
@@ -50,6 +52,15 @@ void add_stats(const RefineStats& stats, BenchRun& run) {
 }
 
 }  // namespace
+
+double quantile(std::vector<double> samples, double share) {
+  if (samples.empty()) {
+    return 0;
+  }
+  std::ranges::sort(samples);
+  const double rank = std::ceil(share * static_cast<double>(samples.size()));
+  return samples[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
+}
 
 BenchRun bench_method(const FlightFlags& flags, const std::string& method, Drawing drawing) {
   reset_peak_rss();

@@ -15,6 +15,7 @@ struct BenchRun {
   std::string method;
   int frames = 0;
   double mean_triangles = 0;
+  std::vector<double> triangles;                     ///< one a frame
   std::vector<double> refine_ms, draw_ms, frame_ms;  ///< one a frame; draw_ms empty when skipped
   std::uint64_t evaluated_vertices = 0, visited_nodes = 0, late_blocks = 0;
   std::uint64_t bytes_read = 0, page_faults = 0, bytes_uploaded = 0;
@@ -22,6 +23,9 @@ struct BenchRun {
   std::uint64_t cache_bytes_max = 0, peak_rss_bytes = 0;
   double achieved_error_px = 0;
 };
+
+/// The smallest sample that at least `share` of the samples do not exceed; 0 of none.
+double quantile(std::vector<double> samples, double share);
 
 /// Flies the path with a freshly opened terrain. Requires: a current OpenGL context when drawing.
 BenchRun bench_method(const FlightFlags& flags, const std::string& method, Drawing drawing);

@@ -96,7 +96,8 @@ expect 0 bench t.arete --methods full,geomipmap --frames 4 --size 160x90 --json
 keys machine terrain path runs method options frames mean_triangles refine_ms p50 p99 max draw_ms \
   frame_ms evaluated_vertices visited_nodes bytes_read page_faults bytes_uploaded \
   incoherence_percent cache_bytes_max peak_rss_bytes achieved_error_px
-expect 0 bench t.arete --methods geomipmap --frames 4 --no-draw
+expect 0 bench t.arete --methods full,geomipmap --frames 4 --no-draw --report report.html
+[[ $(grep -c '<polyline' report.html) == 6 ]] || fault "not six lines in report.html"
 
 # A picture that fails half way leaves nothing.
 expect 1 render t.arete -o lost.png --size 160x90 --stats no/such/dir/stats.csv
