@@ -115,7 +115,10 @@ TEST_F(WriteMesh, DropsTrianglesByTheirPosts) {
   options_.keep = [](const std::array<Post, 3>& t) {
     return std::ranges::none_of(t, [](Post p) { return p == Post{0, 0}; });
   };
-  const std::string text = written("a.obj");
+  const MeshSize size = write_mesh(folder_ / "a.obj", surface_, options_);
+  EXPECT_EQ(size.triangles, 6U);
+  EXPECT_EQ(size.vertices, 8U);
+  const std::string text = read("a.obj");
   EXPECT_EQ(std::ranges::count(text, 'f'), 6);
   EXPECT_EQ(std::ranges::count(text, 'v'), 8);
 }

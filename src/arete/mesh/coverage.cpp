@@ -54,7 +54,7 @@ void add_row(const BoundaryPiece& p, std::int32_t row, int delta, RowEvents& out
   const std::int64_t dc = std::int64_t{p.b.col} - p.a.col;
   const std::int64_t down = std::int64_t{row} - p.a.row;
   // Columns are exact in units of 1 / (2 dr).
-  const std::int64_t x_top = 2 * p.a.col * dr + 2 * dc * down;
+  const std::int64_t x_top = 2 * (std::int64_t{p.a.col} * dr + dc * down);
   const std::int64_t x_mid = x_top + dc;
   const std::int64_t x_bottom = x_mid + dc;
   const auto first_whole = static_cast<std::int32_t>(-floor_div(-x_mid, 2 * dr));

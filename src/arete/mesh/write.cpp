@@ -204,8 +204,8 @@ void write_glb(NewFile& out, Mesh mesh, const std::string& name) {
 
 }  // namespace
 
-void write_mesh(const std::filesystem::path& file, const Surface& surface,
-                const WriteOptions& options) {
+MeshSize write_mesh(const std::filesystem::path& file, const Surface& surface,
+                    const WriteOptions& options) {
   const std::string kind = file.extension().string();
   if (kind != ".obj" && kind != ".ply" && kind != ".stl" && kind != ".glb") {
     throw Error(ErrorCode::kUsage, fmt::format("{}: unknown kind of mesh: name it .obj, .ply, .stl "
@@ -228,6 +228,7 @@ void write_mesh(const std::filesystem::path& file, const Surface& surface,
   if (kind == ".stl") write_stl(out, mesh);
   if (kind == ".glb") write_glb(out, mesh, file.string());
   out.publish();
+  return {mesh.indices.size() / 3, mesh.points.size()};
 }
 
 void write_grid_ply(const std::filesystem::path& file, const Surface& surface) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 
@@ -15,12 +16,17 @@ struct WriteOptions {
   std::function<bool(const std::array<Post, 3>&)> keep;
 };
 
+/// What a mesh file holds.
+struct MeshSize {
+  std::uint64_t triangles = 0, vertices = 0;
+};
+
 /// Writes the surface in world metres, vertices at the same place merged: .obj, .ply (binary),
 /// .stl (binary), .glb (glTF 2.0, y up, placed by a node so that floats suffice), by extension.
 /// Throws: kUsage for another extension, kInvalidInput for no triangle, kLimit when the format
 /// cannot hold so much, kIo; nothing is left behind then, and an older file of that name is kept.
-void write_mesh(const std::filesystem::path& file, const Surface& surface,
-                const WriteOptions& options);
+MeshSize write_mesh(const std::filesystem::path& file, const Surface& surface,
+                    const WriteOptions& options);
 
 /// Binary PLY in grid coordinates: x = column, y = row, z = metres, as drawn, float.
 /// Throws: kIo, as write_mesh.

@@ -109,8 +109,10 @@ DrawnPosts::DrawnPosts(const mesh::Surface& surface, const Reference& reference,
       const TileRange range = tiles_under(surface, i, reference);
       for (int r = range.row0; r <= range.row1; ++r) {
         for (int c = range.col0; c <= range.col1; ++c) {
-          const auto t = static_cast<std::size_t>(r * reference.tile_cols() + c);
-          if (wanted[t] != 0) use(t, static_cast<std::uint32_t>(i));
+          const int t = r * reference.tile_cols() + c;
+          if (wanted[static_cast<std::size_t>(t)] != 0) {
+            use(static_cast<std::size_t>(t), static_cast<std::uint32_t>(i));
+          }
         }
       }
     }
@@ -141,10 +143,11 @@ void DrawnPosts::read(int tile, PostHeights& z) const {
       const std::span<const float> truth =
           reference_.dem().row(rect.row0 + r).subspan(static_cast<std::size_t>(rect.col0));
       const double start = scan.height(0, r);
+      double* const row = &z[static_cast<std::size_t>(r) * kSide];
       for (int c = cols[0]; c < end_col; ++c) {
         const double drawn = start + c * scan.per_col();
         const double zt = double{truth[static_cast<std::size_t>(c)]};
-        double& kept = z[static_cast<std::size_t>(r * kSide + c)];
+        double& kept = row[c];
         // Also true when nothing is kept yet (NaN).
         if (!(std::abs(drawn - zt) <= std::abs(kept - zt))) kept = drawn;
       }
