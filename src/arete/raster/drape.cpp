@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <mutex>
 #include <utility>
 #include <vector>
@@ -60,8 +61,9 @@ double pixels_per_post(const GridMap& map, int cols, int rows) {
   double most = 0;
   std::array<double, 2> x{}, y{}, x_south{}, y_south{};
   for (int i = 0; i < 81; ++i) {
-    const double col = (cols - 1) * (i % 9) / 8.0;
-    const double row = (rows - 1) * (i / 9) / 8.0;
+    const std::div_t place = std::div(i, 9);
+    const double col = (cols - 1) * (place.rem / 8.0);
+    const double row = (rows - 1) * (place.quot / 8.0);
     map.map_row(col, 1, row, x, y);
     map.map_row(col, 1, row + 1, x_south, y_south);
     const double east = std::hypot(x[1] - x[0], y[1] - y[0]);
@@ -154,7 +156,7 @@ class Drape final : public RasterSource {
     for (int k = 0; k < kChannels; ++k) {
       const double north = glm::mix(value(low.x, low.y, k), value(high.x, low.y, k), f.x);
       const double south = glm::mix(value(low.x, high.y, k), value(high.x, high.y, k), f.x);
-      out[k] = static_cast<std::uint8_t>(glm::mix(north, south, f.y) + 0.5);
+      out[k] = static_cast<std::uint8_t>(std::lround(glm::mix(north, south, f.y)));
     }
   }
 

@@ -168,8 +168,11 @@ void Messages::hear(CPLErr level, CPLErrorNum, const char* text) {
   auto* self = static_cast<Messages*>(CPLGetErrorHandlerUserData());
   std::string line = text;
   std::replace(line.begin(), line.end(), '\n', ' ');
-  if (level == CE_Warning) self->warning_ = std::move(line);
-  if (level >= CE_Failure && self->failure_.empty()) self->failure_ = std::move(line);
+  if (level == CE_Warning) {
+    self->warning_ = std::move(line);
+  } else if (level >= CE_Failure && self->failure_.empty()) {
+    self->failure_ = std::move(line);
+  }
 }
 
 std::string Messages::text(const std::string& otherwise) const {

@@ -46,6 +46,7 @@ GridMap::~GridMap() {
 }
 
 // GDAL's callback: posts of `from` to posts of `to`, exactly.
+// NOLINTNEXTLINE(readability-function-size): the signature is GDAL's
 int GridMap::transform(void* self, int, int count, double* x, double* y, double*, int* success) {
   const auto& map = *static_cast<const GridMap*>(self);
   for (int i = 0; i < count; ++i) {

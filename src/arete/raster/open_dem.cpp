@@ -127,7 +127,7 @@ std::pair<int, int> raw_shape(const fs::path& file, const DemOptions& options, i
   if (error)
     throw Error(ErrorCode::kNotFound, fmt::format("{}: no such file: check the path", name));
   const auto side =
-      static_cast<std::int64_t>(std::llround(std::sqrt(static_cast<double>(bytes / sample_bytes))));
+      static_cast<std::int64_t>(std::llround(std::sqrt(static_cast<double>(bytes) / sample_bytes)));
   std::pair<std::int64_t, std::int64_t> shape{side, side};
   if (options.raw_size) shape = *options.raw_size;
   const auto [cols, rows] = shape;

@@ -97,7 +97,7 @@ std::string short_name(const OGRSpatialReference& crs) {
   const char* name = crs.GetName();
   const char* authority = crs.GetAuthorityName(nullptr);
   const char* code = crs.GetAuthorityCode(nullptr);
-  const std::string text = name != nullptr ? name : "unnamed";
+  std::string text = name != nullptr ? name : "unnamed";
   if (text == "unknown" || text == "unnamed") {
     const char* projection = crs.GetAttrValue("PROJECTION");
     return fmt::format("{} on a body of radius {:.0f} m",

@@ -35,7 +35,7 @@ class RowCache {
   // Pointers to rows first..last, good until the next call.
   const std::vector<const float*>& fetch(int first, int last) {
     pointers_.clear();
-    const auto wanted = static_cast<std::size_t>(last - first + 1);
+    const auto wanted = static_cast<std::size_t>(last) - static_cast<std::size_t>(first) + 1;
     for (int r = first; r <= last; ++r) pointers_.push_back(touch(r));
     while (order_.size() > std::max(capacity_, wanted)) {
       rows_.erase(order_.back());

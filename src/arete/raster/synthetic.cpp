@@ -122,8 +122,8 @@ class Synthetic final : public HeightSource {
   }
 
   std::string description() const override {
-    constexpr std::string_view names[] = {"fbm", "ridged", "terraces", "flat", "slope"};
-    return fmt::format("synthetic {} ({} x {})", names[static_cast<int>(kind_)], size_, size_);
+    constexpr std::string_view kNames[] = {"fbm", "ridged", "terraces", "flat", "slope"};
+    return fmt::format("synthetic {} ({} x {})", kNames[static_cast<int>(kind_)], size_, size_);
   }
 
   void read_row(int r, std::span<float> row) override {
