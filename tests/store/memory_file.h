@@ -19,7 +19,7 @@ class MemoryFile : public File {
   void read_at(std::uint64_t offset, std::span<std::byte> out) const override {
     if (fail_from && offset + out.size() > *fail_from) throw Error(ErrorCode::kIo, "planted EIO");
     if (offset + out.size() > bytes_.size()) throw Error(ErrorCode::kCorrupt, "file ends");
-    std::memcpy(out.data(), bytes_.data() + offset, out.size());
+    if (!out.empty()) std::memcpy(out.data(), bytes_.data() + offset, out.size());
   }
 
   /// Reads that touch this byte or later ones fail.

@@ -8,7 +8,7 @@
 namespace arete::store {
 namespace {
 
-constexpr std::uint8_t kFlatCode = 128;
+constexpr std::int32_t kFlatCode = 128;
 
 // Normal direction (x, y) = m (dz/dcol, dz/drow), where the differences are twice the central ones
 // in counts: the gradient in the world is the inverse transpose of world_from_post.
@@ -23,29 +23,38 @@ SlopeMap slope_map(const Affine2& a, double quantum_m) {
 }
 
 // 127.5 + 127.5 sign(v) sqrt(|v|), rounded: encode_normal in float, for v in [-1, 1].
-std::uint8_t code_of(float v) {
-  const float root = std::sqrt(std::abs(v));
-  return static_cast<std::uint8_t>(
-      static_cast<std::int32_t>((v < 0 ? 127.5F - 127.5F * root : 127.5F + 127.5F * root) + 0.5F));
+std::int32_t code_of(float v) {
+  const float root = std::copysign(std::sqrt(std::abs(v)), v);
+  return static_cast<std::int32_t>(128.0F + 127.5F * root);
 }
 
 void encode_direction(float x, float y, float z, std::uint8_t* to) {
   const float scale = 1 / std::sqrt(x * x + y * y + z * z);
-  to[0] = code_of(x * scale);
-  to[1] = code_of(y * scale);
+  to[0] = static_cast<std::uint8_t>(code_of(x * scale));
+  to[1] = static_cast<std::uint8_t>(code_of(y * scale));
 }
 
 std::int32_t wrapping_difference(std::int32_t a, std::int32_t b) {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b));
 }
 
+// Masks instead of conditions: with branches the row loop would not become vector code.
+std::int32_t mask_if(bool condition) {
+  return -static_cast<std::int32_t>(condition);
+}
+
+std::int32_t select(std::int32_t mask, std::int32_t a, std::int32_t b) {
+  return (a & mask) | (b & ~mask);
+}
+
 // Twice the central difference; one-sided where a neighbour is absent, 0 where both are.
 float double_difference(std::int32_t before, std::int32_t here, std::int32_t after) {
-  const float forward = static_cast<float>(wrapping_difference(after, here));
-  const float backward = static_cast<float>(wrapping_difference(here, before));
-  const float from_after = after != kAbsent ? forward : 0;
-  const float from_before = before != kAbsent ? backward : 0;
-  return (after != kAbsent ? forward : from_before) + (before != kAbsent ? backward : from_after);
+  const std::int32_t has_before = mask_if(before != kAbsent);
+  const std::int32_t has_after = mask_if(after != kAbsent);
+  const std::int32_t backward = wrapping_difference(here, before) & has_before;
+  const std::int32_t forward = wrapping_difference(after, here) & has_after;
+  return static_cast<float>(select(has_after, forward, backward)) +
+         static_cast<float>(select(has_before, backward, forward));
 }
 
 struct RowTriple {
@@ -60,8 +69,11 @@ void encode_row(const RowTriple& rows, int count, const SlopeMap& m, std::uint8_
     const float x = m.xc * dc + m.xr * dr;
     const float y = m.yc * dc + m.yr * dr;
     const float scale = 1 / std::sqrt(x * x + y * y + 1);
-    to[2 * c] = here == kAbsent ? kFlatCode : code_of(x * scale);
-    to[2 * c + 1] = here == kAbsent ? kFlatCode : code_of(y * scale);
+    const std::int32_t code_x = code_of(x * scale);
+    const std::int32_t code_y = code_of(y * scale);
+    const std::int32_t absent = mask_if(here == kAbsent);
+    to[2 * c] = static_cast<std::uint8_t>(select(absent, kFlatCode, code_x));
+    to[2 * c + 1] = static_cast<std::uint8_t>(select(absent, kFlatCode, code_y));
   }
 }
 
@@ -98,7 +110,7 @@ RasterRecipe normals_recipe(const PyramidShape& shape, const Affine2& world_from
   recipe.step = "normals";
   recipe.shape = pyramid_over(shape.cols, shape.rows);
   recipe.shape.channels = 2;
-  recipe.shape.fill = kFlatCode;
+  recipe.shape.fill = static_cast<std::uint8_t>(kFlatCode);
   recipe.apron = 1;
   recipe.make_texels = [map = slope_map(world_from_post, quantum_m)](
                            const HeightPatch& patch, Post post, int cols, std::uint8_t* to) {
