@@ -1,6 +1,28 @@
 #include "land_rasters.h"
 
+#include <cstdlib>
+#include <string>
+
 namespace arete::app {
+namespace {
+
+// The body by the ellipsoid's semi-major axis, the first number after its name in WKT:
+// ELLIPSOID["name",6378137,... or SPHEROID[...].
+render::Body body_of(const std::string& wkt) {
+  for (const char* word : {"ELLIPSOID[\"", "SPHEROID[\""}) {
+    const std::size_t at = wkt.find(word);
+    if (at == std::string::npos) continue;
+    const std::size_t comma = wkt.find(',', at);
+    if (comma == std::string::npos) continue;
+    const double radius_m = std::strtod(wkt.c_str() + comma + 1, nullptr);
+    if (radius_m > 6.0e6 && radius_m < 6.6e6) return render::Body::kEarth;
+    if (radius_m > 3.3e6 && radius_m < 3.5e6) return render::Body::kMars;
+    return render::Body::kAirless;
+  }
+  return render::Body::kEarth;
+}
+
+}  // namespace
 
 LandRasters::LandRasters(const store::Terrain& terrain)
     : normals_(terrain.raster("normals")),
@@ -12,6 +34,7 @@ LandRasters::LandRasters(const store::Terrain& terrain)
   land.rows = m.rows;
   land.z_min = m.z_min;
   land.z_max = m.z_max;
+  land.body = body_of(m.georef.crs);
   land.normals = normals_.get();
   land.validity = validity_.get();
   land.drape = drape_.get();

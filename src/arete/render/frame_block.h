@@ -19,11 +19,11 @@ struct FrameBlock {
   glm::mat4 clip_from_camera, camera_from_clip;
   glm::vec4 plan, eye_offset;
   glm::ivec4 eye_post;
-  glm::vec4 sun, tint, haze, grain_origin;
+  glm::vec4 sun, tint, haze, sky_zenith, sky_horizon, grain_origin;
   glm::ivec4 has;
   std::array<ClipBlock, 3> clips;
 };
 static_assert(sizeof(ClipBlock) == sizeof(glm::vec4) * (4 + kClipLevels));
-static_assert(sizeof(FrameBlock) == sizeof(glm::vec4) * (4 + 4 + 8) + 3 * sizeof(ClipBlock));
+static_assert(sizeof(FrameBlock) == sizeof(glm::vec4) * (4 + 4 + 10) + 3 * sizeof(ClipBlock));
 
 }  // namespace arete::render

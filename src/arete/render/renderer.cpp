@@ -123,7 +123,9 @@ struct Renderer::Impl {
   DrawStats stats;
 
   Impl(const Land& l, std::size_t gpu_memory)
-      : land(l), tint(make_tint(l.z_min, l.z_max)), arena(gpu_memory - make_clipmaps(gpu_memory)) {
+      : land(l),
+        tint(make_tint(l.body, l.z_min, l.z_max)),
+        arena(gpu_memory - make_clipmaps(gpu_memory)) {
     glNamedBufferStorage(frame_buffer.get(), sizeof frame, nullptr, GL_DYNAMIC_STORAGE_BIT);
   }
 
@@ -160,13 +162,30 @@ struct Renderer::Impl {
   void set_look(const View& view, const Style& style) {
     const double range = std::max(land.z_max - land.z_min, 1e-6);
     const double side = side_length(land);
-    const double gain = std::clamp(0.08 * side / range, 1.0, 5.0);
+    // Wide lands look flat from high above and need steeper shading there; near the ground slopes
+    // are nearly what they are.
+    const double overview = glm::smoothstep(0.01, 0.3, (view.eye.z - land.z_max) / side);
+    const double from_above = std::clamp(0.08 * side / range, 1.0, 5.0);
+    const double gain = glm::mix(std::min(from_above, 1.8), from_above, overview);
     const double length = glm::length(style.sun);
     const glm::dvec3 sun = length > 0 ? style.sun / length : glm::dvec3(0, 0, 1);
     frame.sun = glm::dvec4(sun, gain);
     frame.tint = glm::dvec4(land.z_min, 1 / range, tint.sea_level, spacing(land));
     const double thickness = std::max(1.5 * range, 0.1 * side);
-    frame.haze = glm::dvec4(0.9 / side, 1 / thickness, view.eye.z - land.z_min, 0);
+    const double air = land.body == Body::kAirless ? 0 : 0.9 / side;
+    frame.haze = glm::dvec4(air, 1 / thickness, view.eye.z - land.z_min, 0);
+    set_sky();
+  }
+
+  void set_sky() {
+    frame.sky_zenith = {0.035F, 0.115F, 0.36F, 1};
+    frame.sky_horizon = {0.40F, 0.53F, 0.68F, 0};
+    if (land.body == Body::kMars) {
+      frame.sky_zenith = {0.22F, 0.15F, 0.10F, 1};
+      frame.sky_horizon = {0.56F, 0.42F, 0.30F, 0};
+    } else if (land.body == Body::kAirless) {
+      frame.sky_zenith = frame.sky_horizon = glm::vec4(0.0006F, 0.0006F, 0.0009F, 0);
+    }
   }
 
   // The finest level that a pixel can tell apart from this height.
@@ -178,7 +197,7 @@ struct Renderer::Impl {
 
   void set_clipmaps(const View& view, const Style& style) {
     const glm::dvec2 centre = land.world_from_post.inverse({view.eye.x, view.eye.y});
-    frame.has = glm::ivec4(0);
+    frame.has = glm::ivec4(0, 0, 0, land.body == Body::kEarth ? 0 : 1);
     for (std::size_t i = 0; i < clipmaps.size(); ++i) {
       const bool wanted = i == 1 ? style.mask : style.shading == Shading::kLand;
       if (!clipmaps[i] || !wanted) continue;

@@ -14,11 +14,19 @@
 
 namespace arete::render {
 
+/// Whose land it is: decides tint, sea and sky.
+enum class Body {
+  kEarth,    ///< green valleys to snow, sea below 0 m, blue sky
+  kMars,     ///< ochres, a dusty sky, no sea
+  kAirless,  ///< greys under a black sky: the Moon and its like
+};
+
 /// What every frame of a terrain shares. The sources must outlive the renderer; null = none.
 struct Land {
   Affine2 world_from_post;
   int cols = 0, rows = 0;
   double z_min = 0, z_max = 0;  ///< metres, for the tint
+  Body body = Body::kEarth;
   const RasterSource* normals = nullptr;
   const RasterSource* validity = nullptr;
   const RasterSource* drape = nullptr;

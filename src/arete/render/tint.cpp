@@ -30,6 +30,22 @@ constexpr std::array<Stop, 8> kLand{{{0.00, {72, 88, 60}},
 constexpr std::array<Stop, 4> kSea{
     {{0.00, {10, 24, 58}}, {0.55, {18, 56, 104}}, {0.90, {46, 108, 146}}, {1.00, {98, 158, 172}}}};
 
+constexpr std::array<Stop, 5> kMars{{{0.00, {92, 62, 50}},
+                                     {0.30, {142, 90, 62}},
+                                     {0.55, {176, 122, 84}},
+                                     {0.80, {200, 158, 120}},
+                                     {1.00, {226, 204, 180}}}};
+constexpr std::array<Stop, 4> kMoon{{{0.00, {78, 78, 82}},
+                                     {0.35, {112, 111, 111}},
+                                     {0.70, {156, 154, 150}},
+                                     {1.00, {206, 204, 200}}}};
+
+std::span<const Stop> ramp(Body body) {
+  if (body == Body::kMars) return kMars;
+  if (body == Body::kAirless) return kMoon;
+  return kLand;
+}
+
 glm::dvec3 colour_at(std::span<const Stop> stops, double t) {
   t = std::clamp(t, stops.front().at, stops.back().at);
   std::size_t i = 1;
@@ -78,16 +94,16 @@ std::uint8_t grain_at(int x, int y) {
 
 }  // namespace
 
-Tint make_tint(double z_min, double z_max) {
+Tint make_tint(Body body, double z_min, double z_max) {
   const double range = std::max(z_max - z_min, 1e-9);
-  const bool has_sea = z_min < 0 && z_max > 0;
+  const bool has_sea = body == Body::kEarth && z_min < 0 && z_max > 0;
   const double sea = has_sea ? -z_min / range : 0;
-  const double top = top_of_ramp(z_max);
+  const double top = body == Body::kEarth ? top_of_ramp(z_max) : 1;
   std::vector<std::uint8_t> texels;
   for (int i = 0; i < kTexels; ++i) {
     const double t = (i + 0.5) / kTexels;
     const glm::dvec3 c = has_sea && t < sea ? colour_at(kSea, t / sea)
-                                            : colour_at(kLand, (t - sea) / (1 - sea) * top);
+                                            : colour_at(ramp(body), (t - sea) / (1 - sea) * top);
     for (int k = 0; k < 3; ++k) texels.push_back(static_cast<std::uint8_t>(std::lround(c[k])));
     texels.push_back(255);
   }

@@ -4,15 +4,13 @@ const vec3 kSunlight = vec3(1.0, 0.93, 0.80);
 vec3 sky_colour(vec3 direction) {
   float up = max(direction.z, 0.0);
   float toward_sun = max(dot(direction, sun.xyz), 0.0);
-  vec3 zenith = vec3(0.035, 0.115, 0.36);
-  vec3 horizon = vec3(0.40, 0.53, 0.68);
   float pale = 0.75 * exp2(-5.0 * up) + 0.25 * exp2(-26.0 * up);
   float glow = toward_sun * toward_sun;
   glow *= glow;
   float core = glow * glow;
   core *= core;
-  return mix(zenith, horizon, pale) +
-         kSunlight * (0.10 * glow + 0.30 * core * core) * (0.35 + 0.65 * pale);
+  return mix(sky_zenith.rgb, sky_horizon.rgb, pale) +
+         sky_zenith.w * kSunlight * (0.10 * glow + 0.30 * core * core) * (0.35 + 0.65 * pale);
 }
 
 // Share of the point's own light that reaches the eye, through air that thins exponentially.

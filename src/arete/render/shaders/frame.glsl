@@ -16,7 +16,9 @@ layout(std140, binding = 0) uniform FrameBlock {
   vec4 sun;          // unit direction; w = gain of the slopes in the shading
   vec4 tint;         // z_min, 1 / range, sea level in 0..1 or -1, spacing in metres
   vec4 haze;         // optical depth per metre at z_min, 1 / scale height, eye above z_min, -
+  vec4 sky_zenith;   // linear light; w = how much the sky lights the land, 0..1
+  vec4 sky_horizon;
   vec4 grain_origin; // the eye's post in turns of the grain; turns per post
-  ivec4 has;         // normals, validity, drape, -
+  ivec4 has;         // normals, validity, drape; w: the tint is bare rock
   Clip clips[3];     // in the same order
 };

@@ -46,6 +46,7 @@ vec3 ground_colour(vec3 n, vec2 posts_dx, vec2 posts_dy) {
   if (t < tint.z) return base;
   vec3 rock = mix(vec3(0.11, 0.092, 0.076), vec3(0.165, 0.155, 0.145), clamp(t, 0.0, 1.0));
   float steep = smoothstep(0.14, 0.42, 1.0 - n.z + 0.12 * grain);
+  if (has.w != 0) return base * (1.0 + 0.35 * grain) * (1.0 - 0.12 * steep);
   steep *= 1.0 - 0.5 * smoothstep(0.8, 0.95, t);  // snow stays on steep ground too
   return mix(base, rock, 0.85 * steep) * (1.0 + 0.55 * grain);
 }
@@ -53,7 +54,8 @@ vec3 ground_colour(vec3 n, vec2 posts_dx, vec2 posts_dy) {
 vec3 lit(vec3 albedo, vec3 n) {
   float direct = max(dot(n, sun.xyz), 0.0);
   float up = 0.5 + 0.5 * n.z;
-  vec3 ambient = mix(vec3(0.07, 0.065, 0.06), vec3(0.17, 0.22, 0.31), up * up);
+  vec3 ground = vec3(0.10, 0.092, 0.084);
+  vec3 ambient = mix(ground, mix(ground, vec3(0.19, 0.24, 0.32), sky_zenith.w), up * up);
   return albedo * (kSunlight * (1.9 * direct) + ambient);
 }
 
