@@ -1,11 +1,9 @@
 #pragma once
 
 #include <map>
-#include <ranges>
 #include <string>
 
 #include <CLI/CLI.hpp>
-#include <fmt/ranges.h>
 
 #include "arete/lod/engine.h"
 #include "arete/scene/path.h"
@@ -39,8 +37,11 @@ CLI::Option* add_choice(CLI::App& verb, const std::string& name, Value& value,
   const auto choose = [&value, choices, name](const std::string& word) {
     const auto found = choices.find(word);
     if (found == choices.end()) {
-      throw CLI::ValidationError(name, fmt::format("{} is not one of {}", word,
-                                                   fmt::join(std::views::keys(choices), ", ")));
+      std::string names;
+      for (const auto& choice : choices) {
+        names += (names.empty() ? "" : ", ") + choice.first;
+      }
+      throw CLI::ValidationError(name, word + " is not one of " + names);
     }
     value = found->second;
   };
