@@ -84,6 +84,21 @@ TEST_F(Residency, MissedAndWantedTilesArrive) {
   EXPECT_FALSE(terrain->heights(wanted[3], Fetch::kWait));
 }
 
+TEST_F(Residency, AskingForMoreThanFitsKeepsTheMostWanted) {
+  OpenOptions options;
+  options.cache_bytes = 400'000;
+  const auto terrain = Terrain::open(path_, options);
+  std::vector<TileId> wanted;
+  for (const std::uint64_t key : terrain->keys("heights")) wanted.push_back(TileId::from_key(key));
+  const auto is_resident = [&](TileId id) {
+    return terrain->heights(id, Fetch::kResident) != nullptr;
+  };
+  terrain->prefetch(wanted);
+  // The cache holds four tiles; the first three are looked at only when the fourth is in.
+  EXPECT_TRUE(wait_for([&] { return terrain->cache_stats().resident_bytes > 250'000; }));
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_TRUE(is_resident(wanted[i])) << i;
+}
+
 TEST_F(Residency, FailingReadsGiveNullAndAreCounted) {
   auto fail_from = std::make_shared<std::atomic<std::uint64_t>>(~std::uint64_t{0} / 2);
   const auto files = read_all_files(path_);

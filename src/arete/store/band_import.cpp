@@ -73,7 +73,7 @@ void mark_valid(Extent extent, HeightTile& tile) {
   tile.valid.assign(kTilePostCount, 0);
   for (int r = 0; r < extent.rows; ++r)
     for (int c = 0; c < extent.cols; ++c) {
-      const auto i = static_cast<std::size_t>(r * kTilePosts + c);
+      const auto i = static_cast<std::size_t>(r) * kTilePosts + static_cast<std::size_t>(c);
       tile.valid[i] = tile.counts[i] != kAbsent ? 1 : 0;
     }
 }
@@ -192,7 +192,7 @@ void fill_band(const PyramidShape& shape, const FillGrid& grid, const UnitReader
       for (int r = 0; r < extent.rows; ++r)
         for (int c = 0; c < extent.cols; ++c)
           if (!tile.is_valid(c, r))
-            tile.counts[static_cast<std::size_t>(r * kTilePosts + c)] =
+            tile.counts[static_cast<std::size_t>(r) * kTilePosts + static_cast<std::size_t>(c)] =
                 grid.at({corner.col + c, corner.row + r});
       repeat_edges(extent.cols, extent.rows, tile.counts);
       encode_tile(tile.counts, tile.valid, raw);

@@ -17,8 +17,6 @@ class FillGrid {
   FillGrid(int cols, int rows);
 
   int cell_posts() const { return cell_posts_; }  ///< posts a side: a power of two, 16 to 128
-  int cols() const { return cols_; }              ///< cells
-  int rows() const { return rows_; }
 
   struct Cell {
     std::int64_t sum = 0;

@@ -1,5 +1,7 @@
 #include "arete/store/terrain.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "arete/core/error.h"
@@ -14,6 +16,9 @@ namespace arete::store {
 namespace {
 
 constexpr std::string_view kHeights = "heights";
+// A tile with validity: the largest there is.
+constexpr std::size_t kDecodedTileBytes =
+    sizeof(HeightTile) + kTilePostCount * (sizeof(std::int32_t) + 1);
 constexpr std::uint64_t kMaxManifestBytes = std::uint64_t{16} << 20U;
 
 std::string read_text(const File& file, const std::string& name) {
@@ -214,10 +219,12 @@ std::unique_ptr<RasterSource> Terrain::raster(std::string_view segment) const {
 void Terrain::prefetch(std::span<const TileId> tiles) const {
   if (!impl_->prefetcher) return;
   const auto segment = static_cast<std::uint32_t>(impl_->heights_segment);
+  // Asking for more than the cache holds would let the least wanted push out the most wanted.
+  const std::size_t fit = impl_->options.cache_bytes / kDecodedTileBytes;
   std::vector<BlockName> wanted;
-  wanted.reserve(tiles.size());
+  wanted.reserve(std::min(tiles.size(), fit));
   for (const TileId id : tiles)
-    if (impl_->shape.contains(id)) wanted.push_back({segment, id.key()});
+    if (wanted.size() < fit && impl_->shape.contains(id)) wanted.push_back({segment, id.key()});
   impl_->prefetcher->replace(std::move(wanted));
 }
 

@@ -30,7 +30,8 @@ struct HeightTile {
       counts;  ///< kTilePosts^2, row-major, NW first; z = offset + quantum * count
   std::vector<std::uint8_t> valid;  ///< 1 = data, 0 = filled; empty when every post has data
   bool is_valid(int col, int row) const {
-    return valid.empty() || valid[static_cast<std::size_t>(row * kTilePosts + col)] != 0;
+    return valid.empty() ||
+           valid[static_cast<std::size_t>(row) * kTilePosts + static_cast<std::size_t>(col)] != 0;
   }
 };
 
@@ -95,7 +96,8 @@ class Terrain {
   int tiles_y(int level) const;
 
   /// A height tile; null when it is missing, damaged or (kResident) not yet here. A tile outside
-  /// the pyramid is null. Throws: nothing.
+  /// the pyramid is null. Not stored are level-0 tiles without a drawable cell and coarser ones
+  /// without a valid post. Throws: nothing.
   std::shared_ptr<const HeightTile> heights(TileId id, Fetch fetch) const;
   double z_of(std::int32_t count) const;
 
@@ -108,13 +110,15 @@ class Terrain {
   std::shared_ptr<const std::vector<std::byte>> block(std::string_view segment, std::uint64_t key,
                                                       Fetch fetch) const;
 
-  /// Fresh rows of the stored heights, decoded anew without the cache. Lives as long as the
-  /// Terrain.
+  /// Fresh rows of the stored heights, decoded anew without the cache; NaN = no data. Lives as long
+  /// as the Terrain. Its read_row throws kCorrupt where a tile is damaged.
   std::unique_ptr<HeightSource> height_source() const;
-  /// The pyramid "normals", "mask" or "drape"; null when the store has none.
+  /// The pyramid "normals", "mask" or "drape"; null when the store has none. Level 0 of normals and
+  /// mask is made from the heights when read. Lives as long as the Terrain.
   std::unique_ptr<RasterSource> raster(std::string_view segment) const;
 
-  /// Asks the prefetch thread for tiles, most wanted first; replaces what was asked before.
+  /// Asks the prefetch thread for tiles, most wanted first; replaces what was asked before. As many
+  /// as the cache holds are taken.
   void prefetch(std::span<const TileId> tiles) const;
   CacheStats cache_stats() const;
 
