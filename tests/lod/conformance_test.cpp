@@ -27,7 +27,9 @@ struct Case {
 };
 
 Heightfield flat_dem() {
-  return {65, 65, {.world_from_post = {{10, 0, 0, 0, -10, 0}}}};
+  Georef georef;
+  georef.world_from_post.m = {10, 0, 0, 0, -10, 0};
+  return {65, 65, georef};
 }
 
 Heightfield rotated_dem() {
