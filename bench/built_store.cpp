@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 struct BuiltStore {
   BuiltStore() {
-    const auto dem = raster::synthesize(raster::SyntheticKind::kRidged, 1025, 7);
+    const auto dem = raster::synthesize(raster::SyntheticKind::Ridged, 1025, 7);
     const BuildContext context;
     store::BuildOptions options;
     options.output = path;

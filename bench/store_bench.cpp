@@ -17,7 +17,7 @@ void decode_a_height_tile(benchmark::State& state) {
       state.ResumeTiming();
     }
     benchmark::DoNotOptimize(
-        terrain->heights({0, next % across, next / across}, store::Fetch::kWait));
+        terrain->heights({0, next % across, next / across}, store::Fetch::Wait));
     ++next;
   }
   state.SetItemsProcessed(state.iterations() * store::kTileCells * store::kTileCells);
@@ -27,7 +27,7 @@ BENCHMARK(decode_a_height_tile);
 void find_a_height_tile_in_the_cache(benchmark::State& state) {
   const auto terrain = open_built_store();
   for (auto _ : state) {
-    benchmark::DoNotOptimize(terrain->heights({0, 1, 1}, store::Fetch::kWait));
+    benchmark::DoNotOptimize(terrain->heights({0, 1, 1}, store::Fetch::Wait));
   }
 }
 BENCHMARK(find_a_height_tile_in_the_cache);

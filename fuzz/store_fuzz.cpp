@@ -21,7 +21,7 @@ class FuzzedFile : public File {
   std::uint64_t size() const override { return bytes_.size(); }
   void read_at(std::uint64_t offset, std::span<std::byte> out) const override {
     if (offset > bytes_.size() || out.size() > bytes_.size() - offset)
-      throw arete::Error(arete::ErrorCode::kCorrupt, "past the end");
+      throw arete::Error(arete::ErrorCode::Corrupt, "past the end");
     std::ranges::copy(std::span(bytes_).subspan(offset, out.size()), out.begin());
   }
 
@@ -51,7 +51,7 @@ void repair(std::span<std::byte> file) {
 
 void read_everything(std::vector<std::byte> bytes) {
   const SegmentReader segment(std::make_unique<FuzzedFile>(std::move(bytes)), "fuzz",
-                              Verify::kNothing);
+                              Verify::Nothing);
   parse_raster_params(segment.params());
   for (const std::uint64_t key : segment.keys()) {
     try {

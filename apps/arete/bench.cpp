@@ -22,7 +22,7 @@ namespace {
 struct BenchFlags {
   FlightFlags flight;
   std::string methods = "all";
-  Drawing drawing = Drawing::kDraw;
+  Drawing drawing = Drawing::Draw;
   std::filesystem::path report;
   bool json = false;
 };
@@ -117,7 +117,7 @@ std::vector<BenchRun> bench_methods(const BenchFlags& flags,
 
 void run(const BenchFlags& flags) {
   std::optional<render::HeadlessContext> context;
-  if (flags.drawing == Drawing::kDraw) {
+  if (flags.drawing == Drawing::Draw) {
     context.emplace();
   }
   const Json machine = machine_json(context ? context->renderer() : "");
@@ -150,7 +150,7 @@ void add_bench(CLI::App& app) {
   add_frames(*verb, flags->flight.frames);
   add_gpu_memory(*verb, flags->flight.gpu_memory);
   verb->add_flag_callback(
-      "--no-draw", [flags] { flags->drawing = Drawing::kSkip; }, "Time the refinement alone");
+      "--no-draw", [flags] { flags->drawing = Drawing::Skip; }, "Time the refinement alone");
   verb->add_option("--report", flags->report, "A page with a table and charts")->type_name("HTML");
   verb->add_flag("--json", flags->json, "Print JSON");
   add_quiet(*verb, flags->flight.terrain.talk);

@@ -66,9 +66,9 @@ BenchRun bench_method(const FlightFlags& flags, const std::string& method, Drawi
   reset_peak_rss();
   const auto terrain = open_terrain(flags.terrain, {method});
   const auto engine = open_method(flags.terrain, method, *terrain);
-  const scene::Path path = scene::make_path(flags.path, ground_of(*terrain, store::Fetch::kWait));
+  const scene::Path path = scene::make_path(flags.path, ground_of(*terrain, store::Fetch::Wait));
   std::optional<Canvas> canvas;
-  if (drawing == Drawing::kDraw) {
+  if (drawing == Drawing::Draw) {
     canvas.emplace(*terrain, flags);
   }
   BenchRun run;

@@ -8,7 +8,7 @@
 
 namespace arete::app {
 
-enum class Drawing { kDraw, kSkip };
+enum class Drawing { Draw, Skip };
 
 /// Sums and samples of one method over one path.
 struct BenchRun {

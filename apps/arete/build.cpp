@@ -27,18 +27,18 @@ struct BuildFlags {
   Bytes memory{std::size_t{1} << 30U};
   std::optional<double> nodata;
   FrameSize raw_size{0, 0};
-  Existing existing = Existing::kKeep;
-  Talk talk = Talk::kNormal;
+  Existing existing = Existing::Keep;
+  Talk talk = Talk::Normal;
 };
 
 const std::map<std::string, raster::Unit> kUnits{
-    {"m", raster::Unit::kMetre},
-    {"ft", raster::Unit::kFoot},
-    {"us-ft", raster::Unit::kUsSurveyFoot},
+    {"m", raster::Unit::Metre},
+    {"ft", raster::Unit::Foot},
+    {"us-ft", raster::Unit::UsSurveyFoot},
 };
 const std::map<std::string, raster::Encoding> kEncodings{
-    {"terrain-rgb", raster::Encoding::kTerrainRgb},
-    {"terrarium", raster::Encoding::kTerrarium},
+    {"terrain-rgb", raster::Encoding::TerrainRgb},
+    {"terrarium", raster::Encoding::Terrarium},
 };
 
 void add_dem_flags(CLI::App& verb, BuildFlags& flags) {
@@ -72,7 +72,7 @@ void add_work_flags(CLI::App& verb, BuildFlags& flags) {
       ->capture_default_str()
       ->check(CLI::Range(1, 1024));
   verb.add_flag_callback(
-      "--force", [&flags] { flags.existing = Existing::kReplace; }, "Build although it exists");
+      "--force", [&flags] { flags.existing = Existing::Replace; }, "Build although it exists");
   add_quiet(verb, flags.talk);
 }
 
@@ -97,7 +97,7 @@ void run(BuildFlags& flags) {
   }
   const std::string before = store_id(flags.output);
   build_store(recipe, flags.output, flags.existing, flags.talk);
-  if (flags.talk == Talk::kNormal) {
+  if (flags.talk == Talk::Normal) {
     fmt::print("{}: {}\n", flags.output.string(),
                store_id(flags.output) == before ? "up to date" : "built");
   }

@@ -38,7 +38,7 @@ void Controls::glide_to(const Pose& pose) {
 }
 
 void Controls::toggle_fly() {
-  mode_ = mode_ == ControlMode::kMap ? ControlMode::kFly : ControlMode::kMap;
+  mode_ = mode_ == ControlMode::Map ? ControlMode::Fly : ControlMode::Map;
   grabbed_.reset();
 }
 
@@ -54,7 +54,7 @@ void Controls::update(const Input& input, FrameSize size) {
     if (const auto target = ground_along(ground_, view.eye, cursor_ray(view, input.cursor))) {
       glide_to(lifted(zoomed(view, *target, 0.3), ground_, clearance()));
     }
-  } else if (mode_ == ControlMode::kMap) {
+  } else if (mode_ == ControlMode::Map) {
     update_map(input, view);
   } else {
     update_fly(input, view);

@@ -21,7 +21,7 @@ struct Input {
   double seconds = 0;
 };
 
-enum class ControlMode { kMap, kFly };
+enum class ControlMode { Map, Fly };
 
 /// Turns input into a camera: map-style (the grabbed ground follows the cursor) or flying.
 class Controls {
@@ -47,7 +47,7 @@ class Controls {
 
   const scene::Ground& ground_;
   Pose pose_;
-  ControlMode mode_ = ControlMode::kMap;
+  ControlMode mode_ = ControlMode::Map;
   std::optional<glm::dvec3> grabbed_;  ///< held while a mouse button is down
   std::optional<scene::Path> glide_;
   double glided_ = 0;  ///< seconds

@@ -62,7 +62,7 @@ void print_report(const ExportFlags& flags, const ExportReport& r, double second
                 {"rmse_m", r.rmse_m()},
                 {"seconds", seconds},
                 {"watertight", r.watertight}});
-  } else if (flags.terrain.talk == Talk::kNormal) {
+  } else if (flags.terrain.talk == Talk::Normal) {
     fmt::print("{}: {} triangles, error {:.4g} m at most, {:.4g} m rms over {} samples{}\n",
                flags.output.string(), grouped(r.triangles), r.max_error_m, r.rmse_m(),
                grouped(r.samples), r.watertight ? ", watertight" : "");

@@ -38,7 +38,7 @@ void add_settings(CLI::App& verb, MethodFlags& flags) {
 
 void add_quiet(CLI::App& verb, Talk& talk) {
   verb.add_flag_callback(
-      "--quiet", [&talk] { talk = Talk::kQuiet; }, "No notes, no progress");
+      "--quiet", [&talk] { talk = Talk::Quiet; }, "No notes, no progress");
 }
 
 void add_flight(CLI::App& verb, FlightFlags& flags) {

@@ -41,7 +41,7 @@ scene::Ground ground_of(const store::Terrain& terrain, store::Fetch fetch) {
     const int top = terrain.levels() - 1;
     for (int level = 0; level <= top; ++level) {
       if (const auto z =
-              height_at(terrain, level, post, level == top ? store::Fetch::kWait : fetch)) {
+              height_at(terrain, level, post, level == top ? store::Fetch::Wait : fetch)) {
         return *z;
       }
     }

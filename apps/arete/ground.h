@@ -5,8 +5,8 @@
 
 namespace arete::app {
 
-/// Heights of the finest tiles, read as they are needed (kWait), or of the finest that are in
-/// memory (kResident; the one tile of the coarsest level is then read). Lives as long as `terrain`.
+/// Heights of the finest tiles, read as they are needed (Wait), or of the finest that are in
+/// memory (Resident; the one tile of the coarsest level is then read). Lives as long as `terrain`.
 scene::Ground ground_of(const store::Terrain& terrain, store::Fetch fetch);
 
 }  // namespace arete::app

@@ -31,7 +31,7 @@ bool interrupted() {
 
 void stop_if_interrupted(std::string_view file) {
   if (interrupted()) {
-    throw Error(ErrorCode::kCancelled,
+    throw Error(ErrorCode::Cancelled,
                 fmt::format("{}: interrupted, nothing was written: run it again", file));
   }
 }

@@ -7,7 +7,7 @@ namespace arete::app {
 /// From now on the first Ctrl-C (or SIGTERM) only sets a flag; a second one ends the process.
 void catch_interrupts();
 bool interrupted();
-/// Throws: kCancelled once interrupted, saying what was stopped.
+/// Throws: Cancelled once interrupted, saying what was stopped.
 void stop_if_interrupted(std::string_view file);
 
 }  // namespace arete::app

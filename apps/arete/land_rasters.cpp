@@ -15,11 +15,11 @@ render::Body body_of(const std::string& wkt) {
     const std::size_t comma = wkt.find(',', at);
     if (comma == std::string::npos) continue;
     const double radius_m = std::strtod(wkt.c_str() + comma + 1, nullptr);
-    if (radius_m > 6.0e6 && radius_m < 6.6e6) return render::Body::kEarth;
-    if (radius_m > 3.3e6 && radius_m < 3.5e6) return render::Body::kMars;
-    return render::Body::kAirless;
+    if (radius_m > 6.0e6 && radius_m < 6.6e6) return render::Body::Earth;
+    if (radius_m > 3.3e6 && radius_m < 3.5e6) return render::Body::Mars;
+    return render::Body::Airless;
   }
-  return render::Body::kEarth;
+  return render::Body::Earth;
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ int parse_and_run(CLI::App& app, int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return fail(fmt::format("{}: see {} --help", error.what(), verb_of(app)), kUsage);
   } catch (const arete::Error& error) {
-    return fail(error.what(), error.code() == arete::ErrorCode::kUsage ? kUsage : kFailed);
+    return fail(error.what(), error.code() == arete::ErrorCode::Usage ? kUsage : kFailed);
   } catch (const std::bad_alloc&) {
     return fail("memory: not enough: lower --cache or --memory-limit", kFailed);
   } catch (const std::exception& error) {

@@ -14,9 +14,9 @@ namespace {
 
 constexpr std::array<std::string_view, 4> kPatchMethods{"full", "geomipmap", "smooth", "deboer"};
 constexpr std::array<std::pair<std::string_view, ErrorScale>, 3> kScales{{
-    {"up", ErrorScale::kUpright},
-    {"ang", ErrorScale::kAngular},
-    {"rig", ErrorScale::kRigorous},
+    {"up", ErrorScale::Upright},
+    {"ang", ErrorScale::Angular},
+    {"rig", ErrorScale::Rigorous},
 }};
 
 std::vector<std::string_view> split(std::string_view list) {
@@ -39,9 +39,9 @@ lod::Params params_of(const MethodFlags& flags, std::string_view method) {
   for (const std::string& setting : flags.settings) {
     const std::size_t equals = setting.find('=');
     if (equals == std::string::npos || equals == 0) {
-      throw Error(ErrorCode::kUsage, fmt::format("--set {}: not NAME=VALUE: write --set patch=65 "
-                                                 "or --set geomipmap.patch=65",
-                                                 setting));
+      throw Error(ErrorCode::Usage, fmt::format("--set {}: not NAME=VALUE: write --set patch=65 "
+                                                "or --set geomipmap.patch=65",
+                                                setting));
     }
     std::string name = setting.substr(0, equals);
     if (const std::size_t dot = name.find('.'); dot != std::string::npos) {
@@ -69,7 +69,7 @@ std::vector<std::string> method_list(std::string_view names) {
     }
   }
   if (methods.empty()) {
-    throw Error(ErrorCode::kUsage, "--methods: names no method: write all or a list");
+    throw Error(ErrorCode::Usage, "--methods: names no method: write all or a list");
   }
   return methods;
 }
@@ -78,7 +78,7 @@ ErrorScale error_scale(std::string_view name) {
   const auto* const row =
       std::ranges::find(kScales, name, &std::pair<std::string_view, ErrorScale>::first);
   if (row == kScales.end()) {
-    throw Error(ErrorCode::kUsage, fmt::format("--scale {}: unknown: use up, ang or rig", name));
+    throw Error(ErrorCode::Usage, fmt::format("--scale {}: unknown: use up, ang or rig", name));
   }
   return row->second;
 }

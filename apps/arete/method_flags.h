@@ -15,14 +15,14 @@ struct MethodFlags {
   std::vector<std::string> settings;  ///< "NAME=VALUE" or "METHOD.NAME=VALUE"
 };
 
-/// The settings that concern this method. Throws: kUsage for one without "=".
+/// The settings that concern this method. Throws: Usage for one without "=".
 lod::Params params_of(const MethodFlags& flags, std::string_view method);
 
 /// "all", or names separated by commas, in the order of lod::engines() without repeats.
-/// Throws: kUsage, listing the names.
+/// Throws: Usage, listing the names.
 std::vector<std::string> method_list(std::string_view names);
 
-/// "up", "ang" or "rig". Throws: kUsage.
+/// "up", "ang" or "rig". Throws: Usage.
 ErrorScale error_scale(std::string_view name);
 std::string_view scale_name(ErrorScale scale);
 

@@ -58,7 +58,7 @@ fs::path cached_store(const TerrainFlags& flags, const std::vector<std::string>&
   const fs::path store =
       directory / fmt::format("{}-{:016x}.arete", flags.terrain.stem().string(), key);
   if (!holds_methods(store, methods)) {
-    build_store(recipe, store, Existing::kKeep, flags.talk);
+    build_store(recipe, store, Existing::Keep, flags.talk);
   }
   std::error_code ignored;
   fs::last_write_time(store, fs::file_time_type::clock::now(), ignored);
@@ -75,7 +75,7 @@ fs::path cache_directory() {
   if (const char* const home = std::getenv("HOME"); home != nullptr && *home != '\0') {
     return fs::path(home) / ".cache" / "arete";
   }
-  throw Error(ErrorCode::kNotFound,
+  throw Error(ErrorCode::NotFound,
               "HOME: not set, so there is no cache directory: set XDG_CACHE_HOME or build a store");
 }
 
@@ -106,7 +106,7 @@ void drop_oldest(const fs::path& directory, const fs::path& keep, std::uintmax_t
 
 fs::path store_of(const TerrainFlags& flags, const std::vector<std::string>& methods) {
   if (!fs::exists(flags.terrain)) {
-    throw Error(ErrorCode::kNotFound,
+    throw Error(ErrorCode::NotFound,
                 fmt::format("{}: no such file or directory: name a .arete store or a DEM",
                             flags.terrain.string()));
   }

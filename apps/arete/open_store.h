@@ -19,13 +19,13 @@ struct TerrainFlags {
   std::filesystem::path terrain;
   MethodFlags method_flags;
   Bytes cache{std::size_t{512} << 20U};
-  Talk talk = Talk::kNormal;
+  Talk talk = Talk::Normal;
 };
 
 /// The store itself. A DEM is built, for these methods, into $XDG_CACHE_HOME/arete or
 /// ~/.cache/arete under a name that is keyed by path, size, mtime and options; stores that were
 /// not used for longest go when the directory holds more than 20 GB.
-/// Throws: as build_store; kNotFound.
+/// Throws: as build_store; NotFound.
 std::filesystem::path store_of(const TerrainFlags& flags, const std::vector<std::string>& methods);
 
 /// Opens store_of(...) with the cache budget.

@@ -60,15 +60,15 @@ class Numbered : public PictureOutput {
 
 PictureKind picture_kind(const fs::path& output) {
   if (output.extension() == ".png") {
-    return PictureKind::kStill;
+    return PictureKind::Still;
   }
   if (output.extension() == ".mp4") {
-    return PictureKind::kVideo;
+    return PictureKind::Video;
   }
   if (output.extension().empty() || fs::is_directory(output)) {
-    return PictureKind::kNumbered;
+    return PictureKind::Numbered;
   }
-  throw Error(ErrorCode::kUsage,
+  throw Error(ErrorCode::Usage,
               fmt::format("{}: unknown kind of picture: name a .png, a .mp4 or a directory",
                           output.string()));
 }
@@ -76,16 +76,16 @@ PictureKind picture_kind(const fs::path& output) {
 std::unique_ptr<PictureOutput> open_output(const fs::path& output, FrameSize size,
                                            int frames_per_second) {
   switch (picture_kind(output)) {
-    case PictureKind::kStill:
+    case PictureKind::Still:
       return std::make_unique<Still>(output, size);
-    case PictureKind::kNumbered:
+    case PictureKind::Numbered:
       return std::make_unique<Numbered>(output, size);
-    case PictureKind::kVideo:
+    case PictureKind::Video:
       break;
   }
   if (size.width % 2 != 0 || size.height % 2 != 0) {
-    throw Error(ErrorCode::kUsage, fmt::format("--size {}x{}: odd: a video needs even sides",
-                                               size.width, size.height));
+    throw Error(ErrorCode::Usage, fmt::format("--size {}x{}: odd: a video needs even sides",
+                                              size.width, size.height));
   }
   return std::make_unique<Video>(output, size, frames_per_second);
 }

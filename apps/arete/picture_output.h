@@ -9,9 +9,9 @@
 
 namespace arete::app {
 
-enum class PictureKind { kStill, kVideo, kNumbered };
+enum class PictureKind { Still, Video, Numbered };
 
-/// .png, .mp4, or a directory (no extension, or one that exists). Throws: kUsage for others.
+/// .png, .mp4, or a directory (no extension, or one that exists). Throws: Usage for others.
 PictureKind picture_kind(const std::filesystem::path& output);
 
 /// Where rendered frames go. Destroyed before finish(), it leaves nothing behind.
@@ -23,7 +23,7 @@ class PictureOutput {
   virtual void finish() = 0;
 };
 
-/// Throws: kUsage for a size that the format cannot take; kIo, kUnsupported.
+/// Throws: Usage for a size that the format cannot take; Io, Unsupported.
 std::unique_ptr<PictureOutput> open_output(const std::filesystem::path& output, FrameSize size,
                                            int frames_per_second);
 

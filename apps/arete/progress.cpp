@@ -8,7 +8,7 @@
 
 namespace arete::app {
 
-ProgressBar::ProgressBar(Talk talk) : terminal_(talk == Talk::kNormal && isatty(STDERR_FILENO)) {}
+ProgressBar::ProgressBar(Talk talk) : terminal_(talk == Talk::Normal && isatty(STDERR_FILENO)) {}
 
 ProgressBar::~ProgressBar() {
   clear();

@@ -6,7 +6,7 @@
 
 namespace arete::app {
 
-enum class Talk { kNormal, kQuiet };
+enum class Talk { Normal, Quiet };
 
 /// A one-line progress bar on stderr; nothing unless stderr is a terminal and talk is normal.
 /// Redraws ten times a second at most, and leaves no line behind.

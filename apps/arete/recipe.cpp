@@ -23,8 +23,8 @@ std::string file_key(const fs::path& file) {
   std::error_code error;
   const auto size = fs::file_size(file, error);
   if (error) {
-    throw Error(ErrorCode::kNotFound, fmt::format("{}: cannot be read: {}: check the name",
-                                                  file.string(), error.message()));
+    throw Error(ErrorCode::NotFound, fmt::format("{}: cannot be read: {}: check the name",
+                                                 file.string(), error.message()));
   }
   const auto changed = fs::last_write_time(file).time_since_epoch().count();
   return fmt::format("{}|{}|{}\n", fs::absolute(file).lexically_normal().string(), size, changed);
@@ -53,7 +53,7 @@ store::BuildOptions options_of(const Recipe& recipe, const fs::path& store, Exis
                                const BuildContext& context) {
   store::BuildOptions options;
   options.output = store;
-  options.force = existing == Existing::kReplace;
+  options.force = existing == Existing::Replace;
   options.source_key = source_key(recipe);
   options.methods = recipe.methods;
   options.preprocess = [&recipe, &context](const store::Terrain& terrain, store::Writers& writers) {
@@ -67,7 +67,7 @@ store::BuildOptions options_of(const Recipe& recipe, const fs::path& store, Exis
 
 void run_build(const Recipe& recipe, const fs::path& store, Existing existing, Talk talk) {
   const std::unique_ptr<HeightSource> source = raster::open_dem(recipe.dems, recipe.dem);
-  if (talk == Talk::kNormal) {
+  if (talk == Talk::Normal) {
     for (const std::string& note : source->georef().notes) {
       fmt::print(stderr, "note: {}\n", note);
     }
@@ -100,10 +100,10 @@ void build_store(const Recipe& recipe, const fs::path& store, Existing existing,
   try {
     run_build(recipe, store, existing, talk);
   } catch (const Error& error) {
-    if (error.code() != ErrorCode::kCancelled) {
+    if (error.code() != ErrorCode::Cancelled) {
       throw;
     }
-    throw Error(ErrorCode::kCancelled,
+    throw Error(ErrorCode::Cancelled,
                 fmt::format("{}: interrupted: run the same command again to go on from here",
                             store.string()));
   }

@@ -24,10 +24,10 @@ struct Recipe {
   int threads = default_threads();
 };
 
-enum class Existing { kKeep, kReplace };
+enum class Existing { Keep, Replace };
 
 /// The recipe's inputs as text: absolute paths, sizes, mtimes and options. Two recipes with the
-/// same key make the same bytes but for their methods. Throws: kNotFound.
+/// same key make the same bytes but for their methods. Throws: NotFound.
 std::string source_key(const Recipe& recipe);
 
 /// Builds or completes the store with a progress bar, printing notes on what was assumed to

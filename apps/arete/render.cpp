@@ -51,7 +51,7 @@ class Studio {
         rasters_(*terrain_),
         renderer_(rasters_.land, flags.flight.gpu_memory.count),
         frame_(flags.flight.size.width, flags.flight.size.height),
-        path_(scene::make_path(flags.flight.path, ground_of(*terrain_, store::Fetch::kWait))) {}
+        path_(scene::make_path(flags.flight.path, ground_of(*terrain_, store::Fetch::Wait))) {}
 
   const scene::Path& path() const { return path_; }
   const render::Frame& frame() const { return frame_; }
@@ -105,9 +105,9 @@ void write_depth(const RenderFlags& flags, const Studio& studio) {
 }
 
 void run(const RenderFlags& flags) {
-  const bool still = picture_kind(flags.output) == PictureKind::kStill;
+  const bool still = picture_kind(flags.output) == PictureKind::Still;
   if (!still && !flags.depth.empty()) {
-    throw Error(ErrorCode::kUsage, "--depth: goes with one picture: render to a .png");
+    throw Error(ErrorCode::Usage, "--depth: goes with one picture: render to a .png");
   }
   Studio studio(flags);
   const auto output = open_output(flags.output, flags.flight.size, flags.frames_per_second);

@@ -17,15 +17,15 @@ namespace {
 struct SynthFlags {
   std::filesystem::path output;
   int size = 1025;
-  raster::SyntheticKind kind = raster::SyntheticKind::kFbm;
+  raster::SyntheticKind kind = raster::SyntheticKind::Fbm;
   std::uint64_t seed = 1;
-  Talk talk = Talk::kNormal;
+  Talk talk = Talk::Normal;
 };
 
 const std::map<std::string, raster::SyntheticKind> kKinds{
-    {"fbm", raster::SyntheticKind::kFbm},           {"ridged", raster::SyntheticKind::kRidged},
-    {"terraces", raster::SyntheticKind::kTerraces}, {"flat", raster::SyntheticKind::kFlat},
-    {"slope", raster::SyntheticKind::kSlope},
+    {"fbm", raster::SyntheticKind::Fbm},           {"ridged", raster::SyntheticKind::Ridged},
+    {"terraces", raster::SyntheticKind::Terraces}, {"flat", raster::SyntheticKind::Flat},
+    {"slope", raster::SyntheticKind::Slope},
 };
 
 }  // namespace

@@ -28,8 +28,8 @@ void write_text(const std::filesystem::path& file, std::string_view text) {
     error.assign(errno, std::generic_category());
   }
   if (error) {
-    throw Error(ErrorCode::kIo, fmt::format("{}: cannot be written: {}: check the directory",
-                                            file.string(), error.message()));
+    throw Error(ErrorCode::Io, fmt::format("{}: cannot be written: {}: check the directory",
+                                           file.string(), error.message()));
   }
   unfinished.finish();
 }

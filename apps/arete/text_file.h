@@ -5,7 +5,7 @@
 
 namespace arete::app {
 
-/// Replaces the file as a whole. Throws: kIo; the old file, or none, is left then.
+/// Replaces the file as a whole. Throws: Io; the old file, or none, is left then.
 void write_text(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace arete::app

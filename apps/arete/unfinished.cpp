@@ -21,13 +21,13 @@ void Unfinished::add_directory(const fs::path& directory) {
   std::error_code error;
   const bool made = fs::create_directories(directory, error);
   if (error) {
-    throw Error(ErrorCode::kIo, fmt::format("{}: cannot be made: {}: choose another directory",
-                                            directory.string(), error.message()));
+    throw Error(ErrorCode::Io, fmt::format("{}: cannot be made: {}: choose another directory",
+                                           directory.string(), error.message()));
   }
   if (made) {
     add(directory);
   } else if (!fs::is_empty(directory)) {
-    throw Error(ErrorCode::kInvalidInput,
+    throw Error(ErrorCode::InvalidInput,
                 fmt::format("{}: holds files already: empty it or choose another directory",
                             directory.string()));
   }

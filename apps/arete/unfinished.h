@@ -15,7 +15,7 @@ class Unfinished {
   Unfinished& operator=(const Unfinished&) = delete;
 
   void add(std::filesystem::path path) { paths_.push_back(std::move(path)); }
-  /// Makes the directory unless it is there. Throws: kInvalidInput when it holds anything.
+  /// Makes the directory unless it is there. Throws: InvalidInput when it holds anything.
   void add_directory(const std::filesystem::path& directory);
   void finish() { paths_.clear(); }
 

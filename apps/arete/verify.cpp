@@ -98,7 +98,7 @@ proof::VerifyReport measure(const VerifyFlags& flags) {
   const auto terrain = open_terrain(flags.flight.terrain, {flags.method});
   const auto engine = open_method(flags.flight.terrain, flags.method, *terrain);
   const scene::Path path =
-      scene::make_path(flags.flight.path, ground_of(*terrain, store::Fetch::kWait));
+      scene::make_path(flags.flight.path, ground_of(*terrain, store::Fetch::Wait));
   const Heightfield dem(*terrain->height_source());
   ProgressBar bar(flags.flight.terrain.talk);
   proof::VerifyOptions options;
@@ -126,7 +126,7 @@ void run(const VerifyFlags& flags) {
   }
   if (!report.holds()) {
     std::fflush(stdout);
-    throw Error(ErrorCode::kInvalidInput,
+    throw Error(ErrorCode::InvalidInput,
                 fmt::format("{}: {} breaks a claim: see the report",
                             flags.flight.terrain.terrain.string(), flags.method));
   }

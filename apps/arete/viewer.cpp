@@ -41,7 +41,7 @@ scene::Keyframe keyframe(double t, const Pose& pose) {
 Viewer::Viewer(const ViewFlags& flags)
     : flags_(flags),
       terrain_(open_terrain(flags.flight.terrain, {flags.method})),
-      ground_(ground_of(*terrain_, store::Fetch::kResident)),
+      ground_(ground_of(*terrain_, store::Fetch::Resident)),
       window_(fmt::format("Arete - {}", flags.flight.terrain.terrain.filename().string()),
               flags.flight.size),
       rasters_(*terrain_),
@@ -50,7 +50,7 @@ Viewer::Viewer(const ViewFlags& flags)
       controls_(ground_, home_pose(ground_, aspect(flags.flight.size))),
       tolerance_px_(static_cast<float>(flags.flight.refine_options().tolerance_px)) {
   if (!flags.flight.path.empty()) {
-    path_ = scene::make_path(flags.flight.path, ground_of(*terrain_, store::Fetch::kWait));
+    path_ = scene::make_path(flags.flight.path, ground_of(*terrain_, store::Fetch::Wait));
   }
   if (terrain_->manifest().drawable_cells == 0) {
     message_ = "nothing to draw: no square of four posts has data";
@@ -76,7 +76,7 @@ void Viewer::show_frame() {
   if (!frozen_ || !shown_->refined()) {
     lod::RefineOptions options = flags_.flight.refine_options();
     options.tolerance_px = static_cast<double>(tolerance_px_);
-    options.on_missing = scripted() ? lod::OnMissing::kWait : lod::OnMissing::kDefer;
+    options.on_missing = scripted() ? lod::OnMissing::Wait : lod::OnMissing::Defer;
     shown_->refine(view_, options);
   }
   shown_->draw(view_, style_, *frame_);
@@ -119,7 +119,7 @@ void Viewer::press(int key) {
     case GLFW_KEY_F12:
       return save_screenshot(free_name("arete", ".png"));
     case GLFW_KEY_W:
-      style_.wireframe = style_.wireframe != (controls_.mode() == ControlMode::kMap);
+      style_.wireframe = style_.wireframe != (controls_.mode() == ControlMode::Map);
       return;
     default:
       return;
@@ -204,7 +204,7 @@ std::optional<glm::dvec3> Viewer::under_cursor() const {
 
 void Viewer::draw_panels() {
   const glm::dvec3 eye = view_.eye;
-  draw_overlay({shown_->name(), controls_.mode() == ControlMode::kMap ? "map" : "fly", message_,
+  draw_overlay({shown_->name(), controls_.mode() == ControlMode::Map ? "map" : "fly", message_,
                 shown_->refine_stats(), shown_->draw_stats(), terrain_->cache_stats(),
                 flags_.flight.terrain.cache.count, flags_.flight.gpu_memory.count, under_cursor(),
                 eye.z - ground_height(ground_, glm::dvec2(eye)), frozen_},

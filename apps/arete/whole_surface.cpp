@@ -34,10 +34,10 @@ mesh::Surface whole_surface(lod::Engine& engine, const store::Manifest& manifest
                             double max_error_m) {
   const auto [view, farthest_m] = far_above(manifest);
   lod::RefineOptions options;
-  options.scale = ErrorScale::kAngular;
+  options.scale = ErrorScale::Angular;
   options.cull = false;
   // tau D / alpha metres are allowed at distance D: max_error_m at the farthest post.
-  options.tolerance_px = max_error_m * pixel_scale(view, ErrorScale::kAngular) / farthest_m;
+  options.tolerance_px = max_error_m * pixel_scale(view, ErrorScale::Angular) / farthest_m;
   DrawList list;
   engine.refine(view, options, list);
   mesh::Surface surface;

@@ -32,7 +32,7 @@ std::string glfw_reason() {
 
 GLFWwindow* open_window(const std::string& title, FrameSize size) {
   if (!has_display() || glfwInit() == GLFW_FALSE) {
-    throw Error(ErrorCode::kUnsupported,
+    throw Error(ErrorCode::Unsupported,
                 fmt::format("view: no display ({}): use 'arete render' to draw without one",
                             has_display() ? glfw_reason() : "DISPLAY is not set"));
   }
@@ -45,7 +45,7 @@ GLFWwindow* open_window(const std::string& title, FrameSize size) {
   if (window == nullptr) {
     const std::string reason = glfw_reason();
     glfwTerminate();
-    throw Error(ErrorCode::kUnsupported,
+    throw Error(ErrorCode::Unsupported,
                 fmt::format("view: no OpenGL 4.5 window ({}): use 'arete render'", reason));
   }
   return window;

@@ -14,7 +14,7 @@ namespace arete::app {
 /// One at a time.
 class Window {
  public:
-  /// Throws: kUnsupported, naming `render`, when there is no display or no OpenGL 4.5.
+  /// Throws: Unsupported, naming `render`, when there is no display or no OpenGL 4.5.
   Window(const std::string& title, FrameSize size);
   ~Window();
   Window(const Window&) = delete;

@@ -99,7 +99,7 @@ TEST_F(ControlsTest, FlyKeysMoveOnlyInFlyMode) {
   frame(forward, cursor_);
   EXPECT_EQ(controls_.pose().eye, start);
   controls_.toggle_fly();
-  EXPECT_EQ(controls_.mode(), ControlMode::kFly);
+  EXPECT_EQ(controls_.mode(), ControlMode::Fly);
   frame(forward, cursor_);
   EXPECT_NE(controls_.pose().eye, start);
 }

@@ -82,7 +82,7 @@ TEST_F(FilesTest, TextToNowhereNamesTheFile) {
     write_text(directory_ / "no" / "stats.csv", "x");
     FAIL() << "no error";
   } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kIo);
+    EXPECT_EQ(error.code(), ErrorCode::Io);
     EXPECT_NE(std::string(error.what()).find("stats.csv"), std::string::npos);
   }
 }

@@ -46,7 +46,7 @@ class GroundTest : public testing::Test {
 };
 
 TEST_F(GroundTest, HeightsBetweenPostsAreBilinear) {
-  const scene::Ground ground = ground_of(*terrain_, store::Fetch::kWait);
+  const scene::Ground ground = ground_of(*terrain_, store::Fetch::Wait);
   EXPECT_EQ(ground.cols, 300);
   EXPECT_EQ(ground.rows, 200);
   for (const auto& [col, row] : {std::pair{0.0, 0.0},
@@ -60,13 +60,13 @@ TEST_F(GroundTest, HeightsBetweenPostsAreBilinear) {
 }
 
 TEST_F(GroundTest, OutsideTheGridTheEdgeGoesOn) {
-  const scene::Ground ground = ground_of(*terrain_, store::Fetch::kWait);
+  const scene::Ground ground = ground_of(*terrain_, store::Fetch::Wait);
   EXPECT_NEAR(ground.height(-50, 10), plane(0, 10), 0.01);
   EXPECT_NEAR(ground.height(1000, 1000), plane(299, 199), 0.01);
 }
 
 TEST_F(GroundTest, WithoutFineTilesACoarserOneAnswers) {
-  const scene::Ground ground = ground_of(*terrain_, store::Fetch::kResident);
+  const scene::Ground ground = ground_of(*terrain_, store::Fetch::Resident);
   EXPECT_NEAR(ground.height(100, 100), plane(100, 100), 1);
 }
 

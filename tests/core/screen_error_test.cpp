@@ -30,18 +30,18 @@ double worst_share(ErrorScale scale) {
 }
 
 TEST(ScreenError, UprightIsABoundAndNearlyTight) {
-  const double worst = worst_share(ErrorScale::kUpright);
+  const double worst = worst_share(ErrorScale::Upright);
   EXPECT_LE(worst, 1 + 1e-9);
   EXPECT_GT(worst, 0.9);
 }
 
 TEST(ScreenError, RigorousIsABound) {
-  EXPECT_LE(worst_share(ErrorScale::kRigorous), 1 + 1e-9);
+  EXPECT_LE(worst_share(ErrorScale::Rigorous), 1 + 1e-9);
 }
 
 // The control: the same test catches the angular scale, which is no bound in pixels.
 TEST(ScreenError, AngularIsCaughtAsNoBound) {
-  EXPECT_GT(worst_share(ErrorScale::kAngular), 1.2);
+  EXPECT_GT(worst_share(ErrorScale::Angular), 1.2);
 }
 
 TEST(ScreenError, PixelsInvertsAllowed) {
@@ -53,12 +53,12 @@ TEST(ScreenError, PixelsInvertsAllowed) {
 TEST(ScreenError, UprightNeverExceedsRigorous) {
   for (double pitch = -1.5; pitch <= 1.5; pitch += 0.1) {
     const View v = make_view({.pitch = pitch}, 800, 600);
-    EXPECT_LE(pixel_scale(v, ErrorScale::kUpright), pixel_scale(v, ErrorScale::kRigorous));
+    EXPECT_LE(pixel_scale(v, ErrorScale::Upright), pixel_scale(v, ErrorScale::Rigorous));
   }
   // METHODS 1.3: 1.39 f level, 1.93 f rigorous at 800x600, 60 degrees.
   const View v = make_view({}, 800, 600);
-  EXPECT_NEAR(pixel_scale(v, ErrorScale::kUpright) / v.focal_px(), 1.39, 0.005);
-  EXPECT_NEAR(pixel_scale(v, ErrorScale::kRigorous) / v.focal_px(), 1.93, 0.005);
+  EXPECT_NEAR(pixel_scale(v, ErrorScale::Upright) / v.focal_px(), 1.39, 0.005);
+  EXPECT_NEAR(pixel_scale(v, ErrorScale::Rigorous) / v.focal_px(), 1.93, 0.005);
 }
 
 }  // namespace

@@ -131,7 +131,7 @@ class FaultyFile final : public store::File {
   void read_at(std::uint64_t offset, std::span<std::byte> out) const override {
     std::mt19937_64 hash(offset);
     if (faults_.armed && static_cast<double>(hash() % 1000) < 1000 * faults_.share) {
-      throw Error(ErrorCode::kIo, "heights.seg: cannot be read: planted by the test");
+      throw Error(ErrorCode::Io, "heights.seg: cannot be read: planted by the test");
     }
     file_->read_at(offset, out);
   }
@@ -239,7 +239,7 @@ TEST_P(Conformance, DeferringDrawsCoarserThenCatchesUp) {
   DrawList list;
   std::uint64_t late = 0;
   for (int k = 0; k < 2000; ++k) {
-    engine->refine(view, {.on_missing = OnMissing::kDefer}, list);
+    engine->refine(view, {.on_missing = OnMissing::Defer}, list);
     if (k == 0) {
       EXPECT_GT(list.stats.late_blocks, 0U);
     }

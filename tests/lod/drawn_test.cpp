@@ -84,7 +84,7 @@ TEST_P(Drawn, PictureEqualsTheRasterisedSurface) {
     mesh::flatten(list, *engine_, surface);
     render::Frame frame(view.viewport_width, view.viewport_height);
     render::Style style;
-    style.shading = render::Shading::kKey;
+    style.shading = render::Shading::Key;
     style.mask = false;
     const auto off = [&](const render::Style& drawn_style) {
       renderer.draw(view, list, *engine_, drawn_style, frame);

@@ -114,7 +114,7 @@ TEST_F(Geomipmap, NothingPops) {
       const double distance = glm::length(b.eye - glm::dvec3(plan, z));
       // 6 tau |dP| / D with D the distance to the nearest ground, generously the height above it
       const double allowed = 6 * (moved / 100 + 0.002);
-      const double px = pixel_scale(b, ErrorScale::kUpright) * std::abs(it->second - z) / distance;
+      const double px = pixel_scale(b, ErrorScale::Upright) * std::abs(it->second - z) / distance;
       worst = std::max(worst, px / allowed);
     }
   }

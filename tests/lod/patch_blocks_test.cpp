@@ -23,10 +23,10 @@ class Recursive {
     int lev = 0;
     while (((col >> lev) & 1) == 0 && ((row >> lev) & 1) == 0) ++lev;
     double lambda = levels_.own;
-    if (col == 0) lambda = levels_.side[kWest];
-    if (row == 0) lambda = levels_.side[kNorth];
-    if (col == n) lambda = levels_.side[kEast];
-    if (row == n) lambda = levels_.side[kSouth];
+    if (col == 0) lambda = levels_.side[West];
+    if (row == 0) lambda = levels_.side[North];
+    if (col == n) lambda = levels_.side[East];
+    if (row == n) lambda = levels_.side[South];
     const double w = std::clamp(lambda - lev, 0.0, 1.0);
     if (w == 0) return patch_.height(col, row);
     const RtinSquare square{n >> lev, patch_.odd()};
@@ -74,7 +74,7 @@ TEST(PatchBlocks, PrintedFormOfTheNineEqualsTheProductForm) {
   const auto vertices = patch.vertices(0);
   int two = 0;
   for (const Vertex& v : vertices) {
-    if (v.slot[0] != PatchSlot::kInterior || v.slot[1] != PatchSlot::product(kWest)) continue;
+    if (v.slot[0] != PatchSlot::kInterior || v.slot[1] != PatchSlot::product(West)) continue;
     ++two;
     const double self = double{v.dz[0]} + double{v.dz[1]};
     const double l2 = -double{v.dz[1]};

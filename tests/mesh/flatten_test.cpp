@@ -54,7 +54,7 @@ TEST(Flatten, ExpandsStripsWithParityAndDropsTurns) {
   DrawBatch batch;
   batch.vertices = batch.indices = 7;
   batch.index_count = 6;
-  batch.topology = Topology::kStrip;
+  batch.topology = Topology::Strip;
   list.batches = {batch};
   Surface s;
   flatten(list, block, s);

@@ -64,7 +64,7 @@ TEST(Residuals, EqualASlowEvaluationOfEveryPost) {
         ++posts;
         const double z = slow_height(s, {c, r}, truth);
         max_px = std::max(max_px, image_distance(view, at, {at.x, at.y, z}));
-        max_angle = std::max(max_angle, pixel_scale(view, ErrorScale::kAngular) *
+        max_angle = std::max(max_angle, pixel_scale(view, ErrorScale::Angular) *
                                             std::abs(z - truth) / glm::length(at - view.eye));
       }
     }
@@ -197,8 +197,8 @@ TEST(Pops, FindOnePostThatJumps) {
 TEST(Pops, PromiseFollowsTheRelativeMotion) {
   const View a = make_view({.eye = {0, 0, 10}}, 100, 100);
   const View b = make_view({.eye = {0, 3, 14}}, 100, 100);
-  EXPECT_DOUBLE_EQ(relative_motion(a, b, ErrorScale::kUpright, 50), 0.1);
-  EXPECT_EQ(relative_motion(a, a, ErrorScale::kUpright, 0), 0);
+  EXPECT_DOUBLE_EQ(relative_motion(a, b, ErrorScale::Upright, 50), 0.1);
+  EXPECT_EQ(relative_motion(a, a, ErrorScale::Upright, 0), 0);
   EXPECT_EQ(pop_share(0, 6, 0), 0);
   EXPECT_EQ(pop_share(3, std::numeric_limits<double>::infinity(), 0), 0);
   EXPECT_TRUE(std::isinf(pop_share(1e-9, 6, 0)));

@@ -220,7 +220,7 @@ TEST_F(Verify, DumpsEachFrameForOtherPrograms) {
 }
 
 TEST_F(Verify, StopsWhenProgressThrows) {
-  options_.progress = [](double) { throw Error(ErrorCode::kCancelled, "stop"); };
+  options_.progress = [](double) { throw Error(ErrorCode::Cancelled, "stop"); };
   EXPECT_THROW(run(), Error);
 }
 
@@ -230,7 +230,7 @@ TEST_F(Verify, OpenGlLeavesNoBackground) {
   try {
     r = run();
   } catch (const Error& e) {
-    if (e.code() != ErrorCode::kUnsupported) throw;
+    if (e.code() != ErrorCode::Unsupported) throw;
     GTEST_SKIP() << e.what();
   }
   EXPECT_EQ(r.background_pixels, 0U);

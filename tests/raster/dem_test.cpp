@@ -47,7 +47,7 @@ class DemTest : public ::testing::Test {
       return error.code();
     }
     ADD_FAILURE() << "opened and read " << files.front();
-    return ErrorCode::kUsage;
+    return ErrorCode::Usage;
   }
 
   TempDir dir_;
@@ -85,7 +85,7 @@ TEST_F(DemTest, RowsComeInAnyOrder) {
 
 TEST_F(DemTest, ComplexSamplesAreRefused) {
   write_grid(dir_ / "c.tif", {.type = GDT_CFloat32});
-  EXPECT_EQ(code_of({dir_ / "c.tif"}), ErrorCode::kUnsupported);
+  EXPECT_EQ(code_of({dir_ / "c.tif"}), ErrorCode::Unsupported);
   EXPECT_THAT(text_, HasSubstr("c.tif: "));
 }
 
@@ -186,7 +186,7 @@ TEST_F(DemTest, UnitsOfFileAndOption) {
   const auto odd = open({.cols = 1, .rows = 1, .values = {3}, .unit = "fathom"});
   EXPECT_THAT(odd->georef().notes, Contains(HasSubstr("fathom")));
   const auto option =
-      open({.cols = 1, .rows = 1, .values = {1000}, .unit = "m"}, {.unit = Unit::kFoot});
+      open({.cols = 1, .rows = 1, .values = {1000}, .unit = "m"}, {.unit = Unit::Foot});
   EXPECT_THAT(read_all(*option), ElementsAre(FloatEq(304.8F)));
 }
 
@@ -197,7 +197,7 @@ TEST_F(DemTest, VerticalScaleMultipliesLast) {
   EXPECT_THAT(read_all(*dem), ElementsAre(FloatEq(60.96F), NanSensitiveFloatEq(kNone)));
   EXPECT_DOUBLE_EQ(dem->lattice().step_m, 0.6096);
   write_grid(dir_ / "z.tif", {});
-  EXPECT_EQ(code_of({dir_ / "z.tif"}, {.z_scale = 0}), ErrorCode::kUsage);
+  EXPECT_EQ(code_of({dir_ / "z.tif"}, {.z_scale = 0}), ErrorCode::Usage);
 }
 
 TEST_F(DemTest, LatticeHoldsForEveryHeight) {
@@ -317,7 +317,7 @@ TEST_F(DemTest, SourceCrsReplacesTheFiles) {
   EXPECT_EQ(named->georef().crs_name, "NAD27 (EPSG:4267)");
   EXPECT_THAT(named->georef().notes, IsEmpty());
   write_grid(dir_ / "x.tif", grid);
-  EXPECT_EQ(code_of({dir_ / "x.tif"}, {.source_crs = "EPSG:none"}), ErrorCode::kInvalidInput);
+  EXPECT_EQ(code_of({dir_ / "x.tif"}, {.source_crs = "EPSG:none"}), ErrorCode::InvalidInput);
 }
 
 TEST_F(DemTest, SeveralBandsGiveTheFirstWithANote) {
@@ -329,7 +329,7 @@ TEST_F(DemTest, SeveralBandsGiveTheFirstWithANote) {
   EXPECT_THAT(read_all(*second), ElementsAre(4));
   EXPECT_THAT(second->georef().notes, IsEmpty());
   write_grid(dir_ / "b.tif", grid);
-  EXPECT_EQ(code_of({dir_ / "b.tif"}, {.band = 3}), ErrorCode::kInvalidInput);
+  EXPECT_EQ(code_of({dir_ / "b.tif"}, {.band = 3}), ErrorCode::InvalidInput);
 }
 
 TEST_F(DemTest, PicturesNeedABandOrAnEncoding) {
@@ -340,10 +340,10 @@ TEST_F(DemTest, PicturesNeedABandOrAnEncoding) {
                       .values = {1, 134, 160},
                       .options = {"PHOTOMETRIC=RGB"}};
   write_grid(dir_ / "rgb.tif", grid);
-  EXPECT_EQ(code_of({dir_ / "rgb.tif"}), ErrorCode::kInvalidInput);
+  EXPECT_EQ(code_of({dir_ / "rgb.tif"}), ErrorCode::InvalidInput);
   EXPECT_THAT(text_, HasSubstr("--encoding"));
   EXPECT_THAT(read_all(*open(grid, {.band = 2})), ElementsAre(134));
-  const auto mapbox = open(grid, {.encoding = Encoding::kTerrainRgb});
+  const auto mapbox = open(grid, {.encoding = Encoding::TerrainRgb});
   EXPECT_THAT(read_all(*mapbox), ElementsAre(FloatEq(0.0F)));
   EXPECT_DOUBLE_EQ(mapbox->lattice().step_m, 0.1);
   EXPECT_DOUBLE_EQ(mapbox->lattice().offset_m, -10000);
@@ -356,7 +356,7 @@ TEST_F(DemTest, TerrariumAndTransparentPixels) {
                          .type = GDT_Byte,
                          .values = {128, 128, 10, 10, 64, 0, 255, 0},
                          .options = {"PHOTOMETRIC=RGB", "ALPHA=YES"}},
-                        {.encoding = Encoding::kTerrarium});
+                        {.encoding = Encoding::Terrarium});
   EXPECT_THAT(read_all(*dem), ElementsAre(10.25F, NanSensitiveFloatEq(kNone)));
   EXPECT_DOUBLE_EQ(dem->lattice().step_m, 1.0 / 256);
 }
@@ -371,10 +371,10 @@ TEST_F(DemTest, RawFilesBySideOrBySize) {
   EXPECT_EQ(wide->rows(), 1);
   const std::vector<float> floats{0.5F, -2, kNone};
   write_text(dir_ / "b.r32", {reinterpret_cast<const char*>(floats.data()), 12});
-  EXPECT_EQ(code_of({dir_ / "b.r32"}), ErrorCode::kInvalidInput);
+  EXPECT_EQ(code_of({dir_ / "b.r32"}), ErrorCode::InvalidInput);
   const auto column = open_dem({dir_ / "b.r32"}, {.raw_size = {{1, 3}}});
   EXPECT_THAT(read_all(*column), ElementsAre(0.5F, -2, NanSensitiveFloatEq(kNone)));
-  EXPECT_EQ(code_of({dir_ / "none.r16"}), ErrorCode::kNotFound);
+  EXPECT_EQ(code_of({dir_ / "none.r16"}), ErrorCode::NotFound);
 }
 
 TEST_F(DemTest, OtherFormatsGiveTheSamePosts) {
@@ -415,7 +415,7 @@ TEST_F(DemTest, SideFilesOfEhdrAreFound) {
   const auto dem = open_dem({dir_ / "a.bil"});
   EXPECT_THAT(read_all(*dem), ElementsAre(1, 2, NanSensitiveFloatEq(kNone), 4, 5, 6));
   EXPECT_EQ(dem->georef().crs_from_post.apply(0, 0), glm::dvec2(100, 200));
-  EXPECT_EQ(code_of({dir_ / "a.hdr"}), ErrorCode::kUnsupported);
+  EXPECT_EQ(code_of({dir_ / "a.hdr"}), ErrorCode::Unsupported);
   EXPECT_THAT(text_, HasSubstr("side file"));
 }
 
@@ -435,11 +435,11 @@ TEST_F(DemTest, ZippedDemOpensIfItIsTheOnlyOne) {
   zip("one.zip", {"readme.txt", "deep/dem.tif"});
   EXPECT_EQ(read_all(*open_dem({dir_ / "one.zip"})), read_all(*open_dem({dir_ / "in.tif"})));
   zip("two.zip", {"a.tif", "b.tif"});
-  EXPECT_EQ(code_of({dir_ / "two.zip"}), ErrorCode::kInvalidInput);
+  EXPECT_EQ(code_of({dir_ / "two.zip"}), ErrorCode::InvalidInput);
   zip("none.zip", {"readme.txt"});
-  EXPECT_EQ(code_of({dir_ / "none.zip"}), ErrorCode::kInvalidInput);
+  EXPECT_EQ(code_of({dir_ / "none.zip"}), ErrorCode::InvalidInput);
   write_text(dir_ / "broken.zip", "PK no archive");
-  EXPECT_EQ(code_of({dir_ / "broken.zip"}), ErrorCode::kInvalidInput);
+  EXPECT_EQ(code_of({dir_ / "broken.zip"}), ErrorCode::InvalidInput);
 }
 
 // A row of a file cut short is whole or refused, however often and in whatever order it is asked
@@ -465,7 +465,7 @@ TEST_F(DemTest, RowsOfAFileCutShortAreNeverWrong) {
       try {
         dem->read_row(r, row);
       } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ErrorCode::kCorrupt);
+        EXPECT_EQ(error.code(), ErrorCode::Corrupt);
         EXPECT_THAT(error.what(), HasSubstr("d.tif: row " + std::to_string(r) + " "));
         ++refused;
         continue;
@@ -481,13 +481,13 @@ TEST_F(DemTest, RowsOfAFileCutShortAreNeverWrong) {
 }
 
 TEST_F(DemTest, AbsentAndForeignFilesAreRefused) {
-  EXPECT_EQ(code_of({dir_ / "none.tif"}), ErrorCode::kNotFound);
-  EXPECT_EQ(code_of({dir_.path()}), ErrorCode::kInvalidInput);
+  EXPECT_EQ(code_of({dir_ / "none.tif"}), ErrorCode::NotFound);
+  EXPECT_EQ(code_of({dir_.path()}), ErrorCode::InvalidInput);
   write_text(dir_ / "t.tif", "not a picture");
-  EXPECT_EQ(code_of({dir_ / "t.tif"}), ErrorCode::kUnsupported);
+  EXPECT_EQ(code_of({dir_ / "t.tif"}), ErrorCode::Unsupported);
   write_grid(dir_ / "big.tif", {.cols = 100, .rows = 2});
-  EXPECT_EQ(code_of({dir_ / "big.tif"}, {.max_side = 99}), ErrorCode::kLimit);
-  EXPECT_EQ(code_of({}), ErrorCode::kUsage);
+  EXPECT_EQ(code_of({dir_ / "big.tif"}, {.max_side = 99}), ErrorCode::Limit);
+  EXPECT_EQ(code_of({}), ErrorCode::Usage);
 }
 
 }  // namespace

@@ -124,7 +124,7 @@ TEST(Sweep, SouthUpEqualsNorthUp) {
 TEST(Sweep, TrinidadInFeetIsTheMetresOfItsTwin) {
   const fs::path feet = "/usr/share/ncarg/data/cdf/trinidad.nc";
   if (!fs::exists(kData) || !fs::exists(feet)) GTEST_SKIP() << "no libncarg-data here";
-  const auto sample = open_dem({feet}, {.unit = Unit::kFoot});
+  const auto sample = open_dem({feet}, {.unit = Unit::Foot});
   const auto metres = open_dem({kData / "medium/trinidad_co_usgs_2401x1201_m.tif"});
   const Georef georef = sample->georef();
   EXPECT_NEAR(georef.crs_from_post.apply(0, 0).x, -106, 1e-9);

@@ -15,9 +15,9 @@ namespace {
 
 using namespace testing;  // NOLINT: the room's own helpers
 
-constexpr SyntheticKind kKinds[] = {SyntheticKind::kFbm, SyntheticKind::kRidged,
-                                    SyntheticKind::kTerraces, SyntheticKind::kFlat,
-                                    SyntheticKind::kSlope};
+constexpr SyntheticKind kKinds[] = {SyntheticKind::Fbm, SyntheticKind::Ridged,
+                                    SyntheticKind::Terraces, SyntheticKind::Flat,
+                                    SyntheticKind::Slope};
 
 TEST(Synthetic, AnyRowAloneIsTheSame) {
   for (const SyntheticKind kind : kKinds) {
@@ -34,7 +34,7 @@ TEST(Synthetic, AnyRowAloneIsTheSame) {
 
 TEST(Synthetic, SeedsDifferAndRangesAreNatural) {
   for (const SyntheticKind kind :
-       {SyntheticKind::kFbm, SyntheticKind::kRidged, SyntheticKind::kTerraces}) {
+       {SyntheticKind::Fbm, SyntheticKind::Ridged, SyntheticKind::Terraces}) {
     const std::vector<float> a = read_all(*synthesize(kind, 257, 1));
     const std::vector<float> b = read_all(*synthesize(kind, 257, 2));
     EXPECT_NE(a, b);
@@ -46,8 +46,8 @@ TEST(Synthetic, SeedsDifferAndRangesAreNatural) {
 }
 
 TEST(Synthetic, FlatIsFlatAndSlopeIsAPlane) {
-  for (const float z : read_all(*synthesize(SyntheticKind::kFlat, 9, 1))) EXPECT_EQ(z, 0);
-  Heightfield slope(*synthesize(SyntheticKind::kSlope, 17, 1));
+  for (const float z : read_all(*synthesize(SyntheticKind::Flat, 9, 1))) EXPECT_EQ(z, 0);
+  Heightfield slope(*synthesize(SyntheticKind::Slope, 17, 1));
   for (int r = 1; r < 16; ++r) {
     for (int c = 1; c < 16; ++c) {
       const float middle = (slope[{c - 1, r - 1}] + slope[{c + 1, r + 1}]) / 2;
@@ -58,7 +58,7 @@ TEST(Synthetic, FlatIsFlatAndSlopeIsAPlane) {
 
 // No steps at the borders of noise cells: slopes stay bounded everywhere.
 TEST(Synthetic, NeighboursAreNear) {
-  for (const SyntheticKind kind : {SyntheticKind::kFbm, SyntheticKind::kRidged}) {
+  for (const SyntheticKind kind : {SyntheticKind::Fbm, SyntheticKind::Ridged}) {
     const Heightfield field(*synthesize(kind, 513, 9));
     for (int r = 0; r < 512; ++r) {
       for (int c = 0; c < 512; ++c) {
@@ -75,7 +75,7 @@ TEST(Synthetic, EverySizeFromOne) {
       for (const float z : read_all(*synthesize(kind, size, 7))) EXPECT_TRUE(std::isfinite(z));
     }
   }
-  EXPECT_THROW(synthesize(SyntheticKind::kFbm, 0, 1), Error);
+  EXPECT_THROW(synthesize(SyntheticKind::Fbm, 0, 1), Error);
 }
 
 }  // namespace

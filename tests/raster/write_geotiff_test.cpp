@@ -44,7 +44,7 @@ Heightfield integers(float low, float high) {
 
 TEST(WriteGeotiff, FloatsComeBackToTheBit) {
   const TempDir dir;
-  const auto source = synthesize(SyntheticKind::kFbm, 300, 1);
+  const auto source = synthesize(SyntheticKind::Fbm, 300, 1);
   write_geotiff(*source, dir / "a.tif");
   const auto back = open_dem({dir / "a.tif"});
   EXPECT_TRUE(same(read_all(*back), read_all(*source)));
@@ -93,7 +93,7 @@ TEST(WriteGeotiff, PicturesOfFloats) {
 TEST(WriteGeotiff, NeverOverAnExistingFile) {
   const TempDir dir;
   write_text(dir / "there.tif", "mine");
-  const auto source = synthesize(SyntheticKind::kFlat, 4, 1);
+  const auto source = synthesize(SyntheticKind::Flat, 4, 1);
   EXPECT_THROW(write_geotiff(*source, dir / "there.tif"), Error);
   std::ifstream file(dir / "there.tif");
   std::string text;
@@ -114,13 +114,13 @@ TEST(WriteGeotiff, NothingIsLeftAfterAFailure) {
    public:
     Broken() : Heightfield(600, 600) {}
     void read_row(int r, std::span<float> row) override {
-      if (r > 400) throw Error(ErrorCode::kCorrupt, "broken");
+      if (r > 400) throw Error(ErrorCode::Corrupt, "broken");
       Heightfield::read_row(r, row);
     }
   } broken;
   EXPECT_THROW(write_geotiff(broken, dir / "a.tif"), Error);
   EXPECT_EQ(count(), 0);
-  const auto source = synthesize(SyntheticKind::kFbm, 600, 1);
+  const auto source = synthesize(SyntheticKind::Fbm, 600, 1);
   EXPECT_THROW(write_geotiff(*source, dir / "no such folder" / "a.tif"), Error);
 
   // A full disk, as far as this process can tell.

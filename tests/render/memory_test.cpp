@@ -73,7 +73,7 @@ TEST_F(GpuMemory, TooLittleIsRefused) {
     const Renderer renderer(land_of(toy), 1000);
     FAIL();
   } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::kLimit);
+    EXPECT_EQ(e.code(), ErrorCode::Limit);
   }
 }
 

@@ -48,7 +48,7 @@ TEST(WritePng, AMissingFolderIsOneLineAndLeavesNothing) {
     write_png(file, 3, 3, noise(3, 3));
     FAIL();
   } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::kIo);
+    EXPECT_EQ(e.code(), ErrorCode::Io);
     EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
   }
 }
@@ -96,7 +96,7 @@ TEST(VideoWriter, AFailingFfmpegIsOneLineAndNoSignal) {
     writer.finish();
     FAIL();
   } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::kIo);
+    EXPECT_EQ(e.code(), ErrorCode::Io);
     EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
   }
 }
@@ -108,7 +108,7 @@ TEST(VideoWriter, AMissingFfmpegNamesThePackage) {
     const VideoWriter writer("a.mp4", 64, 64, 30);
     ADD_FAILURE();
   } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::kUnsupported);
+    EXPECT_EQ(e.code(), ErrorCode::Unsupported);
     EXPECT_NE(std::string(e.what()).find("install the package ffmpeg"), std::string::npos);
   }
   setenv("PATH", path.c_str(), 1);

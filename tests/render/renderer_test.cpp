@@ -35,7 +35,7 @@ View slanted_view(const ToyLand& toy, double origin = 0, int width = 160, int he
 
 Style key_style() {
   Style style;
-  style.shading = Shading::kKey;
+  style.shading = Shading::Key;
   return style;
 }
 
@@ -215,7 +215,7 @@ TEST_F(RendererTest, StripsDrawWhatListsDraw) {
     }
   }
   DrawBatch& batch = list.batches[0];
-  batch.topology = Topology::kStrip;
+  batch.topology = Topology::Strip;
   batch.indices = kOwnBlock;
   batch.index_count = static_cast<std::uint32_t>(list.indices.size());
   EXPECT_EQ(different_pixels(expected, shoot(renderer, view, list, toy, key_style())), 0);

@@ -99,7 +99,7 @@ Count shoot_and_compare(const Checkers& checkers, const std::vector<View>& fligh
   land.validity = &checkers.raster();
   Renderer renderer(land, std::size_t{2} << 20U);  // so little that the windows must move
   Style style;
-  style.shading = Shading::kKey;
+  style.shading = Shading::Key;
   Count sum;
   for (const View& view : flight) {
     const Count c = compare(shoot(renderer, view, quad(), none, style), view);
@@ -137,7 +137,7 @@ TEST_F(Sampling, FewTilesAFrameEndInTheSamePicture) {
   land.cols = land.rows = kPosts;
   land.validity = &checkers.raster();
   Style style;
-  style.shading = Shading::kKey;
+  style.shading = Shading::Key;
   const View view = view_over({1500, 1500}, 40, -0.9);
   Renderer at_once(land, std::size_t{2} << 20U);
   const Picture complete = shoot(at_once, view, quad(), none, style);

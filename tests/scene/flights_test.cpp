@@ -196,14 +196,14 @@ TEST(NamedFlights, AnUnknownNameListsTheKnownOnes) {
     make_path("flyby", g);
     FAIL();
   } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::kUsage);
+    EXPECT_EQ(e.code(), ErrorCode::Usage);
     EXPECT_NE(std::string(e.what()).find("flyover"), std::string::npos);
   }
   try {
     make_path("none.json", g);
     FAIL();
   } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::kNotFound);
+    EXPECT_EQ(e.code(), ErrorCode::NotFound);
   }
 }
 

@@ -171,7 +171,7 @@ TEST_F(PathFile, BadFilesAreOneLineErrors) {
       read_path(write(text));
       ADD_FAILURE();
     } catch (const Error& e) {
-      EXPECT_EQ(e.code(), ErrorCode::kInvalidInput);
+      EXPECT_EQ(e.code(), ErrorCode::InvalidInput);
       EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
     }
   }

@@ -34,7 +34,7 @@ SegmentPlan sample_plan(const Terrain& terrain, const std::string& params) {
   plan.units = static_cast<int>(terrain.keys("heights").size());
   plan.make = [&terrain, params](int unit, BlockSink& sink) {
     const std::uint64_t key = terrain.keys("heights")[static_cast<std::size_t>(unit)];
-    const auto tile = terrain.heights(TileId::from_key(key), Fetch::kWait);
+    const auto tile = terrain.heights(TileId::from_key(key), Fetch::Wait);
     const std::vector<std::int32_t> counts(tile->counts.begin(), tile->counts.begin() + 100);
     sink.add(key, std::as_bytes(std::span(counts)));
   };
@@ -91,7 +91,7 @@ bool build_until(const fs::path& output, int reports, int threads) {
   try {
     build(field, options_for(output), context);
   } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kCancelled);
+    EXPECT_EQ(error.code(), ErrorCode::Cancelled);
     EXPECT_FALSE(fs::exists(output));
     return true;
   }
@@ -172,7 +172,7 @@ TEST(Build, TwoBuildersAtOnceGiveOneError) {
     build(field, options_for(folder / "a.arete"), {});
     FAIL() << "the lock was not seen";
   } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kIo);
+    EXPECT_EQ(error.code(), ErrorCode::Io);
     EXPECT_NE(std::string(error.what()).find("another build"), std::string::npos);
   }
   EXPECT_TRUE(fs::exists(folder / "a.arete.part"));
@@ -182,7 +182,7 @@ class FailingSource : public Heightfield {
  public:
   FailingSource(Heightfield field, int row) : Heightfield(std::move(field)), row_(row) {}
   void read_row(int r, std::span<float> row) override {
-    if (r == row_) throw Error(ErrorCode::kInvalidInput, "row cannot be read");
+    if (r == row_) throw Error(ErrorCode::InvalidInput, "row cannot be read");
     Heightfield::read_row(r, row);
   }
 
@@ -284,7 +284,7 @@ TEST(Build, FullDisksAreOneCleanError) {
       try {
         build(field, options_for(folder / "a.arete"), context);
       } catch (const Error& error) {
-        ::_exit(error.code() == ErrorCode::kIo && fs::is_empty(folder.path()) ? 7 : 8);
+        ::_exit(error.code() == ErrorCode::Io && fs::is_empty(folder.path()) ? 7 : 8);
       }
       ::_exit(9);
     }
@@ -303,7 +303,7 @@ TEST(Build, TooWideForTheMemoryLimitIsSaid) {
     build(field, options_for(folder / "a.arete"), context);
     FAIL();
   } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kLimit);
+    EXPECT_EQ(error.code(), ErrorCode::Limit);
   }
 }
 

@@ -63,7 +63,7 @@ TEST_F(Residency, CacheHoldsItsBudgetWhileAllTilesPass) {
   const auto terrain = Terrain::open(path_, options);
   for (int pass = 0; pass < 2; ++pass)
     for (const std::uint64_t key : terrain->keys("heights")) {
-      EXPECT_TRUE(terrain->heights(TileId::from_key(key), Fetch::kWait));
+      EXPECT_TRUE(terrain->heights(TileId::from_key(key), Fetch::Wait));
       EXPECT_LE(terrain->cache_stats().resident_bytes, options.cache_bytes);
     }
   EXPECT_LE(terrain->cache_stats().resident_bytes_max, options.cache_bytes);
@@ -73,15 +73,15 @@ TEST_F(Residency, CacheHoldsItsBudgetWhileAllTilesPass) {
 TEST_F(Residency, MissedAndWantedTilesArrive) {
   const auto terrain = Terrain::open(path_);
   const TileId missed{0, 1, 2};
-  EXPECT_FALSE(terrain->heights(missed, Fetch::kResident));
+  EXPECT_FALSE(terrain->heights(missed, Fetch::Resident));
   EXPECT_EQ(terrain->cache_stats().late, 1U);
-  EXPECT_TRUE(wait_for([&] { return terrain->heights(missed, Fetch::kResident) != nullptr; }));
+  EXPECT_TRUE(wait_for([&] { return terrain->heights(missed, Fetch::Resident) != nullptr; }));
   const std::vector<TileId> wanted{{1, 0, 0}, {0, 3, 3}, {0, 99, 99}, {77, 0, 0}};
   terrain->prefetch(wanted);
   for (const TileId id : {wanted[0], wanted[1]})
-    EXPECT_TRUE(wait_for([&] { return terrain->heights(id, Fetch::kResident) != nullptr; }));
-  EXPECT_FALSE(terrain->heights(wanted[2], Fetch::kWait));
-  EXPECT_FALSE(terrain->heights(wanted[3], Fetch::kWait));
+    EXPECT_TRUE(wait_for([&] { return terrain->heights(id, Fetch::Resident) != nullptr; }));
+  EXPECT_FALSE(terrain->heights(wanted[2], Fetch::Wait));
+  EXPECT_FALSE(terrain->heights(wanted[3], Fetch::Wait));
 }
 
 TEST_F(Residency, AskingForMoreThanFitsKeepsTheMostWanted) {
@@ -91,7 +91,7 @@ TEST_F(Residency, AskingForMoreThanFitsKeepsTheMostWanted) {
   std::vector<TileId> wanted;
   for (const std::uint64_t key : terrain->keys("heights")) wanted.push_back(TileId::from_key(key));
   const auto is_resident = [&](TileId id) {
-    return terrain->heights(id, Fetch::kResident) != nullptr;
+    return terrain->heights(id, Fetch::Resident) != nullptr;
   };
   terrain->prefetch(wanted);
   // The cache holds four tiles; the first three are looked at only when the fourth is in.
@@ -112,7 +112,7 @@ TEST_F(Residency, FailingReadsGiveNullAndAreCounted) {
   *fail_from = files.at("heights.seg").size() / 2;
   std::uint64_t missing = 0;
   for (const std::uint64_t key : terrain->keys("heights"))
-    missing += terrain->heights(TileId::from_key(key), Fetch::kWait) ? 0 : 1;
+    missing += terrain->heights(TileId::from_key(key), Fetch::Wait) ? 0 : 1;
   EXPECT_GT(missing, 0U);
   EXPECT_LT(missing, terrain->keys("heights").size());
   EXPECT_EQ(terrain->cache_stats().damaged, missing);

@@ -49,7 +49,7 @@ class Damage : public testing::TestWithParam<const char*> {
     Heightfield field = make_hills(300, 280, 5);
     punch_holes(field, 2, 3);
     bytes_ = read_all_files(build_store(folder_, field))[std::string(GetParam()) + ".seg"];
-    written_ = read_blocks(*open_bytes(bytes_, Verify::kPages));
+    written_ = read_blocks(*open_bytes(bytes_, Verify::Pages));
     ASSERT_FALSE(written_.empty());
   }
 
@@ -72,19 +72,19 @@ class Damage : public testing::TestWithParam<const char*> {
 };
 
 TEST_P(Damage, NoBitFlipIsSilent) {
-  EXPECT_EQ(count_wrong_flips(1500, 0, bytes_.size(), Verify::kPages), 0);
-  EXPECT_EQ(count_wrong_flips(300, kPageBytes, kPageBytes + 100, Verify::kPages), 0);
+  EXPECT_EQ(count_wrong_flips(1500, 0, bytes_.size(), Verify::Pages), 0);
+  EXPECT_EQ(count_wrong_flips(300, kPageBytes, kPageBytes + 100, Verify::Pages), 0);
 }
 
 // Negative control: without verification the same flips must be found to do harm.
 TEST_P(Damage, WithoutHashesFlipsAreSilent) {
-  EXPECT_GT(count_wrong_flips(300, kPageBytes, kPageBytes + 100, Verify::kNothing), 0);
+  EXPECT_GT(count_wrong_flips(300, kPageBytes, kPageBytes + 100, Verify::Nothing), 0);
 }
 
 TEST_P(Damage, EveryTruncationIsRefused) {
   for (std::size_t n = 0; n < bytes_.size(); n += 512) {
     const Bytes cut(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(n));
-    EXPECT_THROW(open_bytes(cut, Verify::kPages), Error) << n;
+    EXPECT_THROW(open_bytes(cut, Verify::Pages), Error) << n;
   }
 }
 
@@ -97,8 +97,8 @@ TEST_P(Damage, SwappedPagesAreNotSilent) {
     Bytes damaged = bytes_;
     std::swap_ranges(damaged.begin() + a, damaged.begin() + a + kPageBytes, damaged.begin() + b);
     if (damaged == bytes_) continue;
-    EXPECT_FALSE(is_silently_wrong(damaged, written_, Verify::kPages)) << a << ", " << b;
-    EXPECT_THROW(open_bytes(damaged, Verify::kPages)->check_all(), Error);
+    EXPECT_FALSE(is_silently_wrong(damaged, written_, Verify::Pages)) << a << ", " << b;
+    EXPECT_THROW(open_bytes(damaged, Verify::Pages)->check_all(), Error);
   }
 }
 
@@ -111,21 +111,21 @@ TEST_P(Damage, UnknownFeaturesAndVersionsAreRefused) {
     const Page sealed = encode_header(header);
     std::memcpy(changed.data(), sealed.data(), sealed.size());
     try {
-      open_bytes(changed, Verify::kPages);
+      open_bytes(changed, Verify::Pages);
     } catch (const Error& error) {
       return error.code();
     }
-    return ErrorCode::kUsage;
+    return ErrorCode::Usage;
   };
   SegmentHeader required = good;
   required.required_features = std::uint64_t{1} << 63U;
-  EXPECT_EQ(code_of(required), ErrorCode::kUnsupported);
+  EXPECT_EQ(code_of(required), ErrorCode::Unsupported);
   SegmentHeader newer = good;
   newer.version_major = kVersionMajor + 1;
-  EXPECT_EQ(code_of(newer), ErrorCode::kUnsupported);
+  EXPECT_EQ(code_of(newer), ErrorCode::Unsupported);
   SegmentHeader huge = good;
   huge.block_count = ~std::uint64_t{0} / 2;
-  EXPECT_EQ(code_of(huge), ErrorCode::kCorrupt);
+  EXPECT_EQ(code_of(huge), ErrorCode::Corrupt);
 }
 
 INSTANTIATE_TEST_SUITE_P(Segments, Damage, testing::Values("heights", "normals", "mask"));

@@ -17,8 +17,8 @@ class MemoryFile : public File {
   explicit MemoryFile(std::vector<char> bytes) : bytes_(std::move(bytes)) {}
   std::uint64_t size() const override { return bytes_.size(); }
   void read_at(std::uint64_t offset, std::span<std::byte> out) const override {
-    if (fail_from && offset + out.size() > *fail_from) throw Error(ErrorCode::kIo, "planted EIO");
-    if (offset + out.size() > bytes_.size()) throw Error(ErrorCode::kCorrupt, "file ends");
+    if (fail_from && offset + out.size() > *fail_from) throw Error(ErrorCode::Io, "planted EIO");
+    if (offset + out.size() > bytes_.size()) throw Error(ErrorCode::Corrupt, "file ends");
     if (!out.empty()) std::memcpy(out.data(), bytes_.data() + offset, out.size());
   }
 

@@ -55,7 +55,7 @@ void expect_levels_subsample(const Terrain& terrain) {
   const auto level0 = [&](int col, int row) -> std::int32_t {
     const auto x = static_cast<std::uint32_t>(std::min(col / kTileCells, terrain.tiles_x(0) - 1));
     const auto y = static_cast<std::uint32_t>(std::min(row / kTileCells, terrain.tiles_y(0) - 1));
-    const auto tile = terrain.heights({0, x, y}, Fetch::kWait);
+    const auto tile = terrain.heights({0, x, y}, Fetch::Wait);
     if (!tile) return std::numeric_limits<std::int32_t>::min();
     const auto i = (row - static_cast<int>(y) * kTileCells) * kTilePosts + col -
                    static_cast<int>(x) * kTileCells;
@@ -66,7 +66,7 @@ void expect_levels_subsample(const Terrain& terrain) {
       for (int x = 0; x < terrain.tiles_x(level); ++x) {
         const TileId id{static_cast<std::uint32_t>(level), static_cast<std::uint32_t>(x),
                         static_cast<std::uint32_t>(y)};
-        const auto tile = terrain.heights(id, Fetch::kWait);
+        const auto tile = terrain.heights(id, Fetch::Wait);
         if (!tile) continue;
         for (int r = 0; r < kTilePosts; r += 3)
           for (int c = 0; c < kTilePosts; c += 3) {
@@ -174,7 +174,7 @@ TEST(RoundTripTest, HolesAreFilledWithinTheRange) {
   const Manifest& m = terrain->manifest();
   int filled = 0;
   for (const std::uint64_t key : terrain->keys("heights")) {
-    const auto tile = terrain->heights(TileId::from_key(key), Fetch::kWait);
+    const auto tile = terrain->heights(TileId::from_key(key), Fetch::Wait);
     ASSERT_TRUE(tile);
     for (const std::int32_t count : tile->counts) {
       ASSERT_GE(terrain->z_of(count), m.z_min);

@@ -29,14 +29,14 @@ struct Vertex {
 static_assert(sizeof(Vertex) == 32);
 
 /// How a batch's indices form triangles. Strips join with degenerate triangles, which draw nothing.
-enum class Topology : std::uint8_t { kTriangles, kStrip };
+enum class Topology : std::uint8_t { Triangles, Strip };
 
 struct DrawBatch {
   BlockKey vertices = kOwnBlock, indices = kOwnBlock;
   std::uint32_t first_index = 0, index_count = 0;
   std::array<float, kFactorCount> factor{};  ///< geomorph factors, 0..1
   float error = 0;                           ///< bound on |drawn z - true z| over the batch, metres
-  Topology topology = Topology::kTriangles;
+  Topology topology = Topology::Triangles;
 };
 
 /// What one refine did; every figure is of that frame alone.

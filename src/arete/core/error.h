@@ -7,14 +7,14 @@ namespace arete {
 
 /// What kind of failure ended an operation. Codes are stable; texts are for people.
 enum class ErrorCode {
-  kUsage,         ///< the caller asked for something that does not exist
-  kNotFound,      ///< a file or segment is absent
-  kUnsupported,   ///< a format, driver or feature that this build does not read
-  kInvalidInput,  ///< a DEM or image that cannot be a terrain
-  kCorrupt,       ///< a store whose bytes are not those that were written
-  kIo,            ///< the operating system refused
-  kLimit,         ///< a budget or a fixed limit would be broken
-  kCancelled,     ///< the caller's progress callback said stop
+  Usage,         ///< the caller asked for something that does not exist
+  NotFound,      ///< a file or segment is absent
+  Unsupported,   ///< a format, driver or feature that this build does not read
+  InvalidInput,  ///< a DEM or image that cannot be a terrain
+  Corrupt,       ///< a store whose bytes are not those that were written
+  Io,            ///< the operating system refused
+  Limit,         ///< a budget or a fixed limit would be broken
+  Cancelled,     ///< the caller's progress callback said stop
 };
 
 /// The one exception of the library. The text reads "FILE: what: what to do".

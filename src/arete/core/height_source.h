@@ -22,7 +22,7 @@ class HeightSource {
   virtual int rows() const = 0;
   virtual Georef georef() const = 0;
   /// Heights of row r in metres, west to east (cols() values); NaN = no data. Row 0 is north.
-  /// Cheapest when rows are read in ascending order. Throws: kIo, kCorrupt.
+  /// Cheapest when rows are read in ascending order. Throws: Io, Corrupt.
   virtual void read_row(int r, std::span<float> row) = 0;
   virtual HeightLattice lattice() const { return {}; }
   /// One line for people: file name(s), size, driver. No path beyond the file's own name.

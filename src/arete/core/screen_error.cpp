@@ -10,10 +10,10 @@ double pixel_scale(const View& v, ErrorScale scale) {
   const double ty = std::tan(v.fovy / 2);
   const double tx = ty * v.viewport_width / v.viewport_height;
   const double f = v.focal_px();
-  if (scale == ErrorScale::kAngular) return v.viewport_width / (2 * std::atan(tx));
+  if (scale == ErrorScale::Angular) return v.viewport_width / (2 * std::atan(tx));
   const double rho2 = tx * tx + ty * ty;
   const double rigorous = f * (1 + rho2);  // alpha_rig = f (1 + rho^2) [METHODS 1.3]
-  if (scale == ErrorScale::kRigorous) return rigorous;
+  if (scale == ErrorScale::Rigorous) return rigorous;
   // alpha_up = f sqrt(1+tx^2+ty^2) sqrt((|cos t| + ty |sin t|)^2 + (tx |sin t|)^2) [METHODS 1.3]
   const double c = std::abs(std::cos(v.pitch));
   const double s = std::abs(std::sin(v.pitch));
@@ -22,12 +22,12 @@ double pixel_scale(const View& v, ErrorScale scale) {
 
 ScreenError::ScreenError(const View& view, double tolerance_px, ErrorScale scale)
     : scale_(scale), alpha_(pixel_scale(view, scale)) {
-  slope_ = tolerance_px / (scale == ErrorScale::kAngular ? alpha_ : alpha_ + tolerance_px);
+  slope_ = tolerance_px / (scale == ErrorScale::Angular ? alpha_ : alpha_ + tolerance_px);
 }
 
 double ScreenError::pixels(double delta_m, double distance_m) const {
   if (delta_m <= 0) return 0;
-  if (scale_ == ErrorScale::kAngular) return alpha_ * delta_m / distance_m;
+  if (scale_ == ErrorScale::Angular) return alpha_ * delta_m / distance_m;
   if (delta_m >= distance_m) return std::numeric_limits<double>::infinity();
   return alpha_ * delta_m / (distance_m - delta_m);
 }

@@ -6,18 +6,18 @@ namespace arete {
 
 /// Which pixel scale turns a vertical error into pixels (METHODS 1.3).
 enum class ErrorScale {
-  kAngular,   ///< alpha_ang = W/phi_x: error as an angle (SOAR's and SMART's notion; not a bound in
-              ///< px)
-  kUpright,   ///< alpha_up: rigorous in px for vertical displacements and a camera without roll
-  kRigorous,  ///< alpha_rig: rigorous in px for any displacement
+  Angular,   ///< alpha_ang = W/phi_x: error as an angle (SOAR's and SMART's notion; not a bound in
+             ///< px)
+  Upright,   ///< alpha_up: rigorous in px for vertical displacements and a camera without roll
+  Rigorous,  ///< alpha_rig: rigorous in px for any displacement
 };
 
 /// The only code that turns metres into pixels.
 /// A displacement of delta at distance D moves its image by at most alpha delta / (D - delta) px;
-/// under kAngular by alpha delta / D (an angle).
+/// under Angular by alpha delta / D (an angle).
 class ScreenError {
  public:
-  ScreenError(const View& view, double tolerance_px, ErrorScale scale = ErrorScale::kUpright);
+  ScreenError(const View& view, double tolerance_px, ErrorScale scale = ErrorScale::Upright);
 
   double alpha() const { return alpha_; }
   /// The largest vertical error in metres that stays within the tolerance at distance D:

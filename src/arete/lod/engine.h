@@ -17,16 +17,16 @@
 
 namespace arete::lod {
 
-/// Options of a method by name, as text; an unknown name or a bad value is Error kUsage.
+/// Options of a method by name, as text; an unknown name or a bad value is Error Usage.
 using Params = std::map<std::string, std::string, std::less<>>;
 
 /// What to do about a tile that is not in memory: read it now, or draw coarser and ask for it.
-enum class OnMissing { kWait, kDefer };
+enum class OnMissing { Wait, Defer };
 
 struct RefineOptions {
   double tolerance_px = 1;
-  ErrorScale scale = ErrorScale::kUpright;
-  OnMissing on_missing = OnMissing::kWait;
+  ErrorScale scale = ErrorScale::Upright;
+  OnMissing on_missing = OnMissing::Wait;
   bool cull = true;  ///< drop what the frustum cannot see
 };
 
@@ -55,13 +55,13 @@ struct EngineInfo {
   std::string_view summary;   ///< one line
   /// Writes the segments that open() needs. Throws: as building does.
   void (*preprocess)(const store::Terrain&, store::Writers&, const BuildContext&, const Params&);
-  /// Throws: kUsage for bad params, kNotFound when a segment is missing (naming the build command).
+  /// Throws: Usage for bad params, NotFound when a segment is missing (naming the build command).
   std::unique_ptr<Engine> (*open)(const store::Terrain&, const Params&);
 };
 
 /// All methods, reference first.
 std::span<const EngineInfo> engines();
-/// Throws: kUsage, listing the names.
+/// Throws: Usage, listing the names.
 const EngineInfo& find_engine(std::string_view name);
 
 }  // namespace arete::lod

@@ -25,7 +25,7 @@ const EngineInfo& find_engine(std::string_view name) {
     if (info.name == name) return info;
     names += (names.empty() ? "" : ", ") + std::string(info.name);
   }
-  throw Error(ErrorCode::kUsage, fmt::format("{}: no such method: use one of {}", name, names));
+  throw Error(ErrorCode::Usage, fmt::format("{}: no such method: use one of {}", name, names));
 }
 
 }  // namespace arete::lod

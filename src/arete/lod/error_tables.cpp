@@ -39,10 +39,10 @@ class SideFrame {
  public:
   SideFrame(const PatchHeights& h, Side q) : h_(h) {
     const std::ptrdiff_t n = std::ptrdiff_t{1} << h.log2_cells;
-    const bool vertical = q == kWest || q == kEast;
+    const bool vertical = q == West || q == East;
     along_ = vertical ? h.stride : 1;
     depth_ = vertical ? 1 : h.stride;
-    if (q == kEast || q == kSouth) {
+    if (q == East || q == South) {
       origin_ = n * depth_;
       depth_ = -depth_;
     }

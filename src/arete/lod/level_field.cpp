@@ -115,8 +115,8 @@ void LevelField::sweep_forward() {
   for (int p = 0; p < table_.size(); ++p) {
     if (!table_.drawable(p)) continue;
     const int* n = &neighbours_[static_cast<std::size_t>(p) * kSides];
-    relax(p, n[kWest], kWest);
-    relax(p, n[kNorth], kNorth);
+    relax(p, n[West], West);
+    relax(p, n[North], North);
   }
 }
 
@@ -124,8 +124,8 @@ void LevelField::sweep_backward() {
   for (int p = table_.size() - 1; p >= 0; --p) {
     if (!table_.drawable(p)) continue;
     const int* n = &neighbours_[static_cast<std::size_t>(p) * kSides];
-    relax(p, n[kEast], kEast);
-    relax(p, n[kSouth], kSouth);
+    relax(p, n[East], East);
+    relax(p, n[South], South);
   }
 }
 

@@ -23,8 +23,8 @@ int int_param(const Params& params, std::string_view name, int otherwise,
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (failure != std::errc{} || end != text.data() + text.size() || value < range.first ||
       value > range.second) {
-    throw Error(ErrorCode::kUsage, fmt::format("{}={}: not a whole number from {} to {}: give one",
-                                               name, text, range.first, range.second));
+    throw Error(ErrorCode::Usage, fmt::format("{}={}: not a whole number from {} to {}: give one",
+                                              name, text, range.first, range.second));
   }
   return value;
 }
@@ -32,8 +32,8 @@ int int_param(const Params& params, std::string_view name, int otherwise,
 void check_names(const Params& params, std::initializer_list<std::string_view> known) {
   for (const auto& entry : params) {
     if (std::ranges::find(known, entry.first) != known.end()) continue;
-    throw Error(ErrorCode::kUsage, fmt::format("{}: no such option of this method: use one of {}",
-                                               entry.first, fmt::join(known, ", ")));
+    throw Error(ErrorCode::Usage, fmt::format("{}: no such option of this method: use one of {}",
+                                              entry.first, fmt::join(known, ", ")));
   }
 }
 

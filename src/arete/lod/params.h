@@ -9,10 +9,10 @@ namespace arete::lod {
 
 /// The value of a parameter, or the default. Lifetime: that of `params`.
 std::string_view param(const Params& params, std::string_view name, std::string_view otherwise);
-/// A whole number in [low, high]. Throws: kUsage.
+/// A whole number in [low, high]. Throws: Usage.
 int int_param(const Params& params, std::string_view name, int otherwise,
               std::pair<int, int> range);
-/// Throws: kUsage when params hold a name that is not known.
+/// Throws: Usage when params hold a name that is not known.
 void check_names(const Params& params, std::initializer_list<std::string_view> known);
 
 }  // namespace arete::lod

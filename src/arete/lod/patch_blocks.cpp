@@ -24,9 +24,9 @@ struct Grid {
 
 // The side that a border position lies on (corners excluded by the caller).
 Side side_of(const RtinSquare& s, int i, int j) {
-  if (i == 0) return kWest;
-  if (j == 0) return kNorth;
-  return i == s.cells ? kEast : kSouth;
+  if (i == 0) return West;
+  if (j == 0) return North;
+  return i == s.cells ? East : South;
 }
 
 bool on_border(const RtinSquare& s, int i, int j) {
@@ -35,7 +35,7 @@ bool on_border(const RtinSquare& s, int i, int j) {
 
 // How a side's post of level l+1 moves while the side goes from l+1 to l+2.
 float side_delta_coarser(const Grid& g, Side q, int i, int j) {
-  if (q == kWest || q == kEast) return g.delta({i, j - 2}, {i, j + 2}, {i, j});
+  if (q == West || q == East) return g.delta({i, j - 2}, {i, j + 2}, {i, j});
   return g.delta({i - 2, j}, {i + 2, j}, {i, j});
 }
 
@@ -44,7 +44,7 @@ void add_parent(const Grid& g, std::pair<int, int> parent, Vertex& v, std::size_
   const auto [i, j] = parent;
   if (!on_border(g.square, i, j)) return;
   const Side q = side_of(g.square, i, j);
-  const int along = q == kWest || q == kEast ? j : i;
+  const int along = q == West || q == East ? j : i;
   if (along % 4 != 2) return;  // of level l+2 or coarser: stands still
   v.dz[k] = side_delta_coarser(g, q, i, j) / 2;
   v.slot[k] = PatchSlot::product(q);
@@ -53,7 +53,7 @@ void add_parent(const Grid& g, std::pair<int, int> parent, Vertex& v, std::size_
 
 void set_border_motion(const Grid& g, int i, int j, Vertex& v) {
   const Side q = side_of(g.square, i, j);
-  const int along = q == kWest || q == kEast ? j : i;
+  const int along = q == West || q == East ? j : i;
   if (along % 2 != 0) {
     const auto [p1, p2] = morph_parents(g.square, i, j);
     v.dz[0] = g.delta(p1, p2, {i, j});
@@ -122,7 +122,7 @@ PatchBlocks::PatchBlocks(const store::Terrain& terrain, const PatchTable& table,
       // One cell has no side to adapt; masks 0 and 1 hold its two diagonals.
       const RtinSquare square{level_cells(l), l == w && mask == 1};
       auto list = rtin_triangles(square, l == w ? 0 : mask);
-      if (topology == Topology::kStrip) list = as_strip(list);
+      if (topology == Topology::Strip) list = as_strip(list);
       index_lists_[static_cast<std::size_t>(l)][mask] = std::move(list);
     }
   }
@@ -220,9 +220,9 @@ bool PatchBlocks::fill(int patch, int level, OnMissing on_missing, std::span<Ver
     // level.
     const int stored = std::min(level, terrain_.levels() - 1);
     const int stride = 1 << (level - stored);
-    const auto tile = terrain_.heights(tile_of(patch, level), on_missing == OnMissing::kWait
-                                                                  ? store::Fetch::kWait
-                                                                  : store::Fetch::kResident);
+    const auto tile = terrain_.heights(tile_of(patch, level), on_missing == OnMissing::Wait
+                                                                  ? store::Fetch::Wait
+                                                                  : store::Fetch::Resident);
     if (!tile) return false;
     const int col = x * n * stride % store::kTileCells;
     const int row = y * n * stride % store::kTileCells;

@@ -86,7 +86,7 @@ void PatchDrawer::fetch_blocks(const RefineOptions& options, RefineStats& stats)
       field_.raise(floor_level_);
     } while (fetch_missing(options, stats));
   }
-  if (options.on_missing == OnMissing::kDefer) terrain_.prefetch(wanted_);
+  if (options.on_missing == OnMissing::Defer) terrain_.prefetch(wanted_);
 }
 
 bool PatchDrawer::fetch_missing(const RefineOptions& options, RefineStats& stats) {

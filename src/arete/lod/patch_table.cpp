@@ -155,7 +155,7 @@ int parse_patch(std::string_view text, const store::Manifest& manifest) {
     if (text == std::to_string((1 << w) + 1)) return w;
   }
   throw Error(
-      ErrorCode::kUsage,
+      ErrorCode::Usage,
       fmt::format("patch={}: not a patch size: use auto, 9, 17, 33, 65 or 129 posts", text));
 }
 
@@ -174,7 +174,7 @@ void write_patch_table(const store::Terrain& terrain, store::Writers& writers, i
     for (int x = 0; x < terrain.tiles_x(0); ++x) {
       tiles.push_back(
           terrain.heights({0, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(unit)},
-                          store::Fetch::kWait));
+                          store::Fetch::Wait));
       drawable.emplace_back(tiles.back() ? Drawable(*tiles.back()) : Drawable(store::HeightTile{}));
     }
     for (int j = 0; j < per_tile && unit * per_tile + j < rows; ++j) {
@@ -204,7 +204,7 @@ PatchTable::PatchTable(const store::Terrain& terrain, int log2_cells)
   const std::string segment = tables_segment(w_);
   if (!terrain.has_segment(segment)) {
     throw Error(
-        ErrorCode::kNotFound,
+        ErrorCode::NotFound,
         fmt::format("{}.seg: the store has no tables for patches of {} posts: rebuild it with "
                     "--patch {}",
                     segment, cells() + 1, cells() + 1));
@@ -219,13 +219,13 @@ PatchTable::PatchTable(const store::Terrain& terrain, int log2_cells)
   side_.resize(n * kSides * knots());
   const int per_unit = kTileCells / cells();
   for (const std::uint64_t key : terrain.keys(segment)) {
-    const auto block = terrain.block(segment, key, store::Fetch::kWait);
+    const auto block = terrain.block(segment, key, store::Fetch::Wait);
     const int first_row = static_cast<int>(key) * per_unit;
     const int unit_rows = std::min(per_unit, rows_ - first_row);
     if (!block || unit_rows <= 0 ||
         block->size() != static_cast<std::size_t>(unit_rows * cols_) * record_size(w_)) {
       throw Error(
-          ErrorCode::kCorrupt,
+          ErrorCode::Corrupt,
           fmt::format("{}.seg: block {} is damaged: rebuild the store with --force", segment, key));
     }
     read_unit(*block, first_row);

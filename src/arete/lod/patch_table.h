@@ -19,7 +19,7 @@ namespace arete::lod {
 /// "tables-N", N = 2^w + 1, which every patch method shares.
 class PatchTable {
  public:
-  /// Throws: kNotFound when the store has no such segment, kCorrupt.
+  /// Throws: NotFound when the store has no such segment, Corrupt.
   PatchTable(const store::Terrain& terrain, int log2_cells);
 
   int log2_cells() const { return w_; }
@@ -67,7 +67,7 @@ class PatchTable {
 std::string tables_segment(int log2_cells);
 /// Patch size by terrain size: see geomipmap/README.md, "Patch size".
 int default_log2_cells(const store::Manifest& manifest);
-/// Reads Params "patch" (posts a side, or "auto"); throws kUsage.
+/// Reads Params "patch" (posts a side, or "auto"); throws Usage.
 int parse_patch(std::string_view text, const store::Manifest& manifest);
 /// Writes tables_segment(log2_cells) with error_tables.h.
 void write_patch_table(const store::Terrain& terrain, store::Writers& writers, int log2_cells);

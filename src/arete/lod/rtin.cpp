@@ -14,18 +14,18 @@ constexpr std::array<std::pair<int, int>, 8> kRing{
 
 // The side whose odd vertex ring position k would be; -1 for corners.
 int ring_side(std::size_t k) {
-  constexpr std::array<int, 8> kRingSides{-1, kEast, -1, kNorth, -1, kWest, -1, kSouth};
+  constexpr std::array<int, 8> kRingSides{-1, East, -1, North, -1, West, -1, South};
   return kRingSides[k];
 }
 
 // True when the 2x2 block at (i, j) touches side q of the square.
 bool touches(const RtinSquare& square, int i, int j, int q) {
   switch (q) {
-    case kWest:
+    case West:
       return i == 0;
-    case kNorth:
+    case North:
       return j == 0;
-    case kEast:
+    case East:
       return i + 2 == square.cells;
     default:
       return j + 2 == square.cells;

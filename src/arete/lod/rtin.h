@@ -11,9 +11,9 @@
 namespace arete::lod {
 
 /// Sides of a square patch, in the order of every per-side array.
-enum Side : int { kWest, kNorth, kEast, kSouth };
+enum Side : int { West, North, East, South };
 inline constexpr int kSides = 4;
-inline constexpr std::array<Side, kSides> kAllSides{kWest, kNorth, kEast, kSouth};
+inline constexpr std::array<Side, kSides> kAllSides{West, North, East, South};
 inline Side opposite(Side q) {
   return static_cast<Side>((q + 2) % kSides);
 }

@@ -13,7 +13,7 @@ NewFile::NewFile(std::filesystem::path place) : place_(std::move(place)), part_(
   part_ += ".part";
   out_.open(part_, std::ios::binary | std::ios::trunc);
   if (!out_) {
-    throw Error(ErrorCode::kIo,
+    throw Error(ErrorCode::Io,
                 fmt::format("{}: cannot be created: name a directory that exists and is yours",
                             place_.string()));
   }
@@ -31,7 +31,7 @@ void NewFile::publish() {
   std::error_code failure;
   if (out_) std::filesystem::rename(part_, place_, failure);
   if (!out_ || failure) {
-    throw Error(ErrorCode::kIo,
+    throw Error(ErrorCode::Io,
                 fmt::format("{}: could not be written: free some space", place_.string()));
   }
   out_.close();

@@ -10,7 +10,7 @@ namespace arete::mesh {
 /// A file that appears whole or not at all: written beside its place and renamed.
 class NewFile {
  public:
-  /// Throws: kIo.
+  /// Throws: Io.
   explicit NewFile(std::filesystem::path place);
   ~NewFile();  ///< an unfinished file is removed
   NewFile(const NewFile&) = delete;
@@ -23,7 +23,7 @@ class NewFile {
   void write(std::span<const T> values) {
     write(std::string_view(reinterpret_cast<const char*>(values.data()), values.size_bytes()));
   }
-  /// Throws: kIo.
+  /// Throws: Io.
   void publish();
 
  private:

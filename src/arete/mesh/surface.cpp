@@ -28,7 +28,7 @@ class Flattener {
     vertices_ = vertices;
     ++stamp_;
     if (placed_.size() < vertices.size()) placed_.resize(vertices.size());
-    if (batch.topology == Topology::kTriangles) {
+    if (batch.topology == Topology::Triangles) {
       for (std::size_t i = 0; i + 3 <= indices.size(); i += 3) {
         add_triangle(indices[i], indices[i + 1], indices[i + 2]);
       }

@@ -186,7 +186,7 @@ void write_glb(NewFile& out, Mesh mesh, const std::string& name) {
   const std::size_t bytes = 4 * (positions.size() + mesh.indices.size());
   const std::size_t total = 28 + json.size() + bytes;
   if (total > std::numeric_limits<std::uint32_t>::max()) {
-    throw Error(ErrorCode::kLimit,
+    throw Error(ErrorCode::Limit,
                 fmt::format("{}: more than 4 GiB, which glTF cannot hold: write .ply or allow a "
                             "larger error",
                             name));
@@ -208,16 +208,16 @@ MeshSize write_mesh(const std::filesystem::path& file, const Surface& surface,
                     const WriteOptions& options) {
   const std::string kind = file.extension().string();
   if (kind != ".obj" && kind != ".ply" && kind != ".stl" && kind != ".glb") {
-    throw Error(ErrorCode::kUsage, fmt::format("{}: unknown kind of mesh: name it .obj, .ply, .stl "
-                                               "or .glb",
-                                               file.string()));
+    throw Error(ErrorCode::Usage, fmt::format("{}: unknown kind of mesh: name it .obj, .ply, .stl "
+                                              "or .glb",
+                                              file.string()));
   }
   const Mesh mesh = make_mesh(surface, options, [&](const SurfaceVertex& v) {
     const glm::dvec3 grid = grid_position(v);
     return glm::dvec3(options.world_from_post.apply(grid.x, grid.y), grid.z);
   });
   if (mesh.indices.empty()) {
-    throw Error(ErrorCode::kInvalidInput,
+    throw Error(ErrorCode::InvalidInput,
                 fmt::format("{}: there is no triangle to write: check that the terrain has cells "
                             "with data",
                             file.string()));

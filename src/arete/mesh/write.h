@@ -23,13 +23,13 @@ struct MeshSize {
 
 /// Writes the surface in world metres, vertices at the same place merged: .obj, .ply (binary),
 /// .stl (binary), .glb (glTF 2.0, y up, placed by a node so that floats suffice), by extension.
-/// Throws: kUsage for another extension, kInvalidInput for no triangle, kLimit when the format
-/// cannot hold so much, kIo; nothing is left behind then, and an older file of that name is kept.
+/// Throws: Usage for another extension, InvalidInput for no triangle, Limit when the format
+/// cannot hold so much, Io; nothing is left behind then, and an older file of that name is kept.
 MeshSize write_mesh(const std::filesystem::path& file, const Surface& surface,
                     const WriteOptions& options);
 
 /// Binary PLY in grid coordinates: x = column, y = row, z = metres, as drawn, float.
-/// Throws: kIo, as write_mesh.
+/// Throws: Io, as write_mesh.
 void write_grid_ply(const std::filesystem::path& file, const Surface& surface);
 
 }  // namespace arete::mesh

@@ -35,7 +35,7 @@ void dump_frame(const std::filesystem::path& directory, int frame, const mesh::S
   std::error_code failure;
   std::filesystem::create_directories(directory, failure);
   if (failure) {
-    throw Error(ErrorCode::kIo,
+    throw Error(ErrorCode::Io,
                 fmt::format("{}: cannot be made: {}", directory.string(), failure.message()));
   }
   const std::string name = fmt::format("frame_{:05}", frame);

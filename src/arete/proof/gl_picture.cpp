@@ -28,10 +28,10 @@ std::vector<float> GlPicture::depth(const View& view, const DrawList& list,
   if (!frame || frame->width() != view.viewport_width || frame->height() != view.viewport_height) {
     frame.emplace(view.viewport_width, view.viewport_height);
   }
-  impl_->renderer.draw(view, list, blocks, {.shading = render::Shading::kKey, .mask = false},
+  impl_->renderer.draw(view, list, blocks, {.shading = render::Shading::Key, .mask = false},
                        *frame);
   if (const std::uint64_t dropped = impl_->renderer.stats().dropped_batches; dropped > 0) {
-    throw Error(ErrorCode::kLimit,
+    throw Error(ErrorCode::Limit,
                 fmt::format("verify: {} batches of a frame do not fit the GPU memory: ask for a "
                             "coarser tolerance",
                             dropped));

@@ -26,12 +26,12 @@ std::uint64_t background_pixels(std::span<const float> depth, const mesh::Surfac
 /// Thread contract: one thread, the one that made it.
 class GlPicture {
  public:
-  /// Throws: kUnsupported when there is no OpenGL, saying what was tried.
+  /// Throws: Unsupported when there is no OpenGL, saying what was tried.
   explicit GlPicture(const Heightfield& dem);
   ~GlPicture();
   GlPicture(const GlPicture&) = delete;
   GlPicture& operator=(const GlPicture&) = delete;
-  /// Throws: kLimit when the list does not fit the renderer's memory.
+  /// Throws: Limit when the list does not fit the renderer's memory.
   std::vector<float> depth(const View& view, const DrawList& list, const BlockSource& blocks);
 
  private:

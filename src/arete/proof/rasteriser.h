@@ -16,7 +16,7 @@ struct Picture {
   static constexpr std::uint32_t kNothing = 0xFFFFFFFFU;
   int width = 0, height = 0;
   std::vector<float> depth;             ///< reversed-Z: 1 at the near plane, 0 = nothing drawn
-  std::vector<std::uint32_t> triangle;  ///< the nearest triangle's number, or kNothing
+  std::vector<std::uint32_t> triangle;  ///< the nearest triangle's number, or Nothing
 };
 
 struct RasterOptions {

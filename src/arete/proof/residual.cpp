@@ -21,7 +21,7 @@ class ResidualMeter {
         drawn_(surface, reference, tiles),
         screen_(view, reference.world_from_post()),
         eye_(view.eye),
-        alpha_(pixel_scale(view, ErrorScale::kAngular)) {}
+        alpha_(pixel_scale(view, ErrorScale::Angular)) {}
 
   void measure(int tile, Residuals& sum) const {
     PostHeights heights;

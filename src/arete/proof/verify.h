@@ -46,8 +46,8 @@ struct VerifyReport {
 
 /// Flies the path and measures every frame from the DrawList and `dem` alone. Every tenth frame
 /// is also checked as a whole, without culling.
-/// Throws: kUnsupported when `draw_depth` is empty and there is no OpenGL to draw the pictures
-/// with; kLimit when a frame does not fit the GPU memory; kIo from dumping.
+/// Throws: Unsupported when `draw_depth` is empty and there is no OpenGL to draw the pictures
+/// with; Limit when a frame does not fit the GPU memory; Io from dumping.
 VerifyReport verify(lod::Engine& engine, const Heightfield& dem, const scene::Path& path,
                     const VerifyOptions& options);
 

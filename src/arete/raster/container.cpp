@@ -64,7 +64,7 @@ std::string zip_member(const fs::path& archive) {
   const std::string root = "/vsizip/" + archive.native();
   const CPLStringList members(VSIReadDirRecursive(root.c_str()));
   if (members.Count() > kMaxMembers) {
-    throw Error(ErrorCode::kLimit,
+    throw Error(ErrorCode::Limit,
                 fmt::format("{}: over {} members: unpack it first", name, kMaxMembers));
   }
   std::vector<std::string> found;
@@ -72,14 +72,14 @@ std::string zip_member(const fs::path& archive) {
     if (is_raster_name(members[i]) && is_plain(members[i])) found.emplace_back(members[i]);
   }
   if (found.size() != 1) {
-    throw Error(ErrorCode::kInvalidInput,
+    throw Error(ErrorCode::InvalidInput,
                 fmt::format("{}: {} DEM files inside, not one: unpack it and name the files", name,
                             found.size()));
   }
   std::string member = root + "/" + found.front();
   VSIStatBufL status;
   if (VSIStatL(member.c_str(), &status) != 0 || status.st_size > kMaxMemberBytes) {
-    throw Error(ErrorCode::kLimit,
+    throw Error(ErrorCode::Limit,
                 fmt::format("{}: its member is over 16 GiB or unreadable: unpack it first", name));
   }
   return member;

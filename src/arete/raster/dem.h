@@ -11,13 +11,13 @@
 
 namespace arete::raster {
 
-enum class Unit { kFromFile, kMetre, kFoot, kUsSurveyFoot };
-enum class Encoding { kNone, kTerrainRgb, kTerrarium };
+enum class Unit { FromFile, Metre, Foot, UsSurveyFoot };
+enum class Encoding { None, TerrainRgb, Terrarium };
 
 struct DemOptions {
   int band = 0;  ///< 0 = the first, with a note when there are several
-  Encoding encoding = Encoding::kNone;
-  Unit unit = Unit::kFromFile;
+  Encoding encoding = Encoding::None;
+  Unit unit = Unit::FromFile;
   std::optional<double> nodata{};  ///< besides what the file declares
   double z_scale = 1;              ///< vertical exaggeration
   std::string source_crs{};        ///< "EPSG:N" in place of the file's; empty = the file's
@@ -28,7 +28,7 @@ struct DemOptions {
 
 /// Opens one DEM, or several neighbouring files as one mosaic. Fenced: only the drivers of
 /// DESIGN.md section 4, no network, no by-reference files, plain row reads, GDAL silent. Throws:
-/// kNotFound, kUnsupported, kInvalidInput, kLimit: "FILE: what: what to do".
+/// NotFound, Unsupported, InvalidInput, Limit: "FILE: what: what to do".
 std::unique_ptr<HeightSource> open_dem(const std::vector<std::filesystem::path>& files,
                                        const DemOptions& options = {});
 
@@ -38,7 +38,7 @@ std::unique_ptr<RasterSource> open_drape(const std::filesystem::path& image, int
                                          const Georef& georef);
 
 /// Writes a tiled, compressed GeoTIFF (float32, or int16 where that is lossless). Never over an
-/// existing file. Throws: kIo; nothing is left then.
+/// existing file. Throws: Io; nothing is left then.
 void write_geotiff(HeightSource& source, const std::filesystem::path& file);
 /// Depths or any float picture, width x height, top row first.
 void write_geotiff(const std::filesystem::path& file, int width, int height, const float* values);

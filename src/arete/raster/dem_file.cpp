@@ -48,7 +48,7 @@ Georef DemFile::georef() const {
 }
 
 HeightLattice DemFile::lattice() const {
-  if (parts_.format.encoding == Encoding::kNone) return parts_.format.rule.lattice();
+  if (parts_.format.encoding == Encoding::None) return parts_.format.rule.lattice();
   return encoding_lattice(parts_.format.encoding, parts_.format.rule);
 }
 
@@ -88,7 +88,7 @@ void DemFile::decode_row(int source_row, std::span<float> row) {
   Tally again;
   auto counted = counted_[static_cast<std::size_t>(source_row)];
   Tally& tally = counted ? again : tally_;
-  if (format.encoding == Encoding::kNone) {
+  if (format.encoding == Encoding::None) {
     decode(format.rule, samples, row, tally);
   } else {
     decode_colours(format.encoding, format.bands, format.rule, samples, row);

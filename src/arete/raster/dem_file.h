@@ -16,7 +16,7 @@ namespace arete::raster {
 /// How a file's samples become heights: a rule for one band, or an encoding of three or four.
 struct SampleFormat {
   ValueRule rule;
-  Encoding encoding = Encoding::kNone;
+  Encoding encoding = Encoding::None;
   int bands = 1;
   std::size_t sample_bytes() const;
 };

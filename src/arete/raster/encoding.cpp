@@ -13,7 +13,7 @@ struct Code {
 };
 
 Code code_of(Encoding encoding) {
-  if (encoding == Encoding::kTerrainRgb) return {0.1, -10000};
+  if (encoding == Encoding::TerrainRgb) return {0.1, -10000};
   return {1.0 / 256, -32768};
 }
 

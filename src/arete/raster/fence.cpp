@@ -75,7 +75,7 @@ CPLStringList driver_list(Purpose purpose) {
   const auto add = [&](const auto& names) {
     for (const char* name : names) list.AddString(name);
   };
-  if (purpose == Purpose::kDem) {
+  if (purpose == Purpose::Dem) {
     add(kDemDrivers);
   } else {
     add(kPictureDrivers);
@@ -102,16 +102,16 @@ CPLStringList siblings(const fs::path& file) {
 void check_name(const fs::path& file) {
   const std::string& text = file.native();
   if (text.starts_with("/vsi") || text.starts_with('<') || text.find("://") != text.npos) {
-    throw Error(ErrorCode::kUnsupported,
+    throw Error(ErrorCode::Unsupported,
                 fmt::format("{}: not a local file: copy it to a disk and name that copy", text));
   }
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   if (!fs::exists(status)) {
-    throw Error(ErrorCode::kNotFound, fmt::format("{}: no such file: check the path", text));
+    throw Error(ErrorCode::NotFound, fmt::format("{}: no such file: check the path", text));
   }
   if (!fs::is_regular_file(status)) {
-    throw Error(ErrorCode::kInvalidInput,
+    throw Error(ErrorCode::InvalidInput,
                 fmt::format("{}: not a regular file: name the DEM file itself", text));
   }
 }
@@ -132,7 +132,7 @@ void check_references(GDALDataset& dataset, const fs::path& file) {
     const fs::path other = fs::path(files[i]).lexically_normal();
     if (other.parent_path() != file.parent_path().lexically_normal() ||
         other.stem() != file.stem()) {
-      throw Error(ErrorCode::kUnsupported,
+      throw Error(ErrorCode::Unsupported,
                   fmt::format("{}: its label refers to another file: convert it to GeoTIFF first",
                               display_name(file)));
     }
@@ -190,10 +190,10 @@ namespace {
   const std::string name = display_name(path);
   const std::string extension = path.extension().native();
   if (extension == ".hdr" || extension == ".prj") {
-    throw Error(ErrorCode::kUnsupported,
+    throw Error(ErrorCode::Unsupported,
                 fmt::format("{}: a side file: name the data file beside it", name));
   }
-  throw Error(ErrorCode::kUnsupported,
+  throw Error(ErrorCode::Unsupported,
               fmt::format("{}: not readable ({}): convert it to GeoTIFF, or fetch it again if it "
                           "is one",
                           name, messages.text("no driver knows this format")));
@@ -222,7 +222,7 @@ Dataset open_fenced(const fs::path& file, Purpose purpose, std::string* note) {
     if (!variable.empty()) dataset = open_with(variable, purpose, nullptr);
   }
   if (!dataset || dataset->GetRasterCount() == 0) {
-    throw Error(ErrorCode::kInvalidInput,
+    throw Error(ErrorCode::InvalidInput,
                 fmt::format("{}: holds no grid of samples: convert one of its layers to GeoTIFF",
                             display_name(file)));
   }
@@ -233,8 +233,8 @@ void check_shape(GDALDataset& dataset, int max_side, const std::string& name) {
   const int cols = dataset.GetRasterXSize();
   const int rows = dataset.GetRasterYSize();
   if (cols < 1 || rows < 1 || cols > max_side || rows > max_side) {
-    throw Error(ErrorCode::kLimit, fmt::format("{}: {} x {} samples: at most {} a side are read",
-                                               name, cols, rows, max_side));
+    throw Error(ErrorCode::Limit, fmt::format("{}: {} x {} samples: at most {} a side are read",
+                                              name, cols, rows, max_side));
   }
   for (int i = 1; i <= dataset.GetRasterCount(); ++i) {
     GDALRasterBand& band = *dataset.GetRasterBand(i);
@@ -243,7 +243,7 @@ void check_shape(GDALDataset& dataset, int max_side, const std::string& name) {
     const std::int64_t bytes =
         std::int64_t{width} * height * GDALGetDataTypeSizeBytes(band.GetRasterDataType());
     if (width < 1 || height < 1 || bytes > kMaxBlockBytes) {
-      throw Error(ErrorCode::kLimit,
+      throw Error(ErrorCode::Limit,
                   fmt::format("{}: stored in blocks of {} x {} samples, over 64 MiB: rewrite it "
                               "tiled (gdal_translate -co TILED=YES)",
                               name, width, height));

@@ -35,18 +35,18 @@ class Messages {
   std::string failure_, warning_;
 };
 
-enum class Purpose { kDem, kPicture };
+enum class Purpose { Dem, Picture };
 
 /// The name for messages: the last component of the path.
 std::string display_name(const std::filesystem::path& file);
 
 /// Opens a regular local file with the drivers of `purpose` only; a .zip through its one raster
 /// member; a netCDF of several variables through its largest two-dimensional one (then *note
-/// says so). Throws: kNotFound, kUnsupported, kInvalidInput, kLimit.
+/// says so). Throws: NotFound, Unsupported, InvalidInput, Limit.
 Dataset open_fenced(const std::filesystem::path& file, Purpose purpose, std::string* note);
 
 /// Throws unless sides are within 1..max_side and the blocks of the first `bands` bands are of a
-/// real type and at most 64 MiB each. Throws: kLimit, kUnsupported, kInvalidInput.
+/// real type and at most 64 MiB each. Throws: Limit, Unsupported, InvalidInput.
 void check_shape(GDALDataset& dataset, int max_side, const std::string& name);
 
 }  // namespace arete::raster

@@ -24,7 +24,7 @@ std::unique_ptr<OGRCoordinateTransformation> connect(const GridPlace& from, cons
   if (a.IsSame(&b) != 0) return nullptr;
   std::unique_ptr<OGRCoordinateTransformation> result(OGRCreateCoordinateTransformation(&a, &b));
   if (!result) {
-    throw Error(ErrorCode::kInvalidInput,
+    throw Error(ErrorCode::InvalidInput,
                 fmt::format("{}: no transformation from '{}' to '{}' is known: name another --crs",
                             name, a.GetName(), b.GetName()));
   }

@@ -20,7 +20,7 @@ struct GridPlace {
 class GridMap {
  public:
   /// With a CRS missing on either side, or the same on both, coordinates are taken as common.
-  /// `tolerance` in posts of `to`: how far map_row may be off. Throws: kInvalidInput naming `name`
+  /// `tolerance` in posts of `to`: how far map_row may be off. Throws: InvalidInput naming `name`
   /// when no transformation is known.
   GridMap(const GridPlace& from, const GridPlace& to, const std::string& name, double tolerance);
   ~GridMap();

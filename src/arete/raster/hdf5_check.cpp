@@ -73,11 +73,11 @@ void refuse_external_storage(const std::filesystem::path& path) {
   const Identifier file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
   const herr_t found = file.good() ? look_everywhere(file.get()) : -1;
   if (found < 0) {
-    throw Error(ErrorCode::kInvalidInput, fmt::format("{}: damaged HDF5: fetch it again", name));
+    throw Error(ErrorCode::InvalidInput, fmt::format("{}: damaged HDF5: fetch it again", name));
   }
   if (found != kGoOn) {
     throw Error(
-        ErrorCode::kUnsupported,
+        ErrorCode::Unsupported,
         fmt::format("{}: keeps its samples in other files: repack it into one (h5repack)", name));
   }
 }

@@ -26,7 +26,7 @@ struct Member {
 };
 
 [[noreturn]] void refuse(const DemFile& file, const DemFile& first, const char* what) {
-  throw Error(ErrorCode::kInvalidInput,
+  throw Error(ErrorCode::InvalidInput,
               fmt::format("{}: {} differs from that of {}: bring both to one grid first "
                           "(gdalwarp -tap -tr)",
                           file.name(), what, first.name()));
@@ -204,7 +204,7 @@ std::unique_ptr<HeightSource> make_mosaic(std::vector<std::unique_ptr<DemFile>> 
   std::vector<Member> members;
   for (std::unique_ptr<DemFile>& file : files) {
     if (!file->located()) {
-      throw Error(ErrorCode::kInvalidInput,
+      throw Error(ErrorCode::InvalidInput,
                   fmt::format("{}: does not say where it lies: a mosaic needs files with a "
                               "geotransform",
                               file->name()));
@@ -217,7 +217,7 @@ std::unique_ptr<HeightSource> make_mosaic(std::vector<std::unique_ptr<DemFile>> 
   const std::int64_t cols = std::int64_t{all.col1} - all.col0;
   const std::int64_t rows = std::int64_t{all.row1} - all.row0;
   if (cols > max_side || rows > max_side) {
-    throw Error(ErrorCode::kLimit,
+    throw Error(ErrorCode::Limit,
                 fmt::format("{}: with the others {} x {} posts: at most {} a side", first.name(),
                             cols, rows, max_side));
   }

@@ -10,7 +10,7 @@ namespace arete::raster {
 
 /// One grid of several files that share CRS, spacing (within 1e-6 of it) and alignment (within
 /// 1e-3 post). Where files overlap the first valid one wins; how many posts of the rows read so
-/// far differ, and by how much at most, is a note of georef(). Throws: kInvalidInput, kLimit.
+/// far differ, and by how much at most, is a note of georef(). Throws: InvalidInput, Limit.
 std::unique_ptr<HeightSource> make_mosaic(std::vector<std::unique_ptr<DemFile>> files,
                                           int max_side);
 

@@ -28,9 +28,9 @@ bool is_colour(GDALRasterBand& band) {
 }
 
 void refuse_picture(GDALDataset& dataset, const DemOptions& options, const std::string& name) {
-  if (options.band != 0 || options.encoding != Encoding::kNone) return;
+  if (options.band != 0 || options.encoding != Encoding::None) return;
   if (!is_colour(*dataset.GetRasterBand(1))) return;
-  throw Error(ErrorCode::kInvalidInput,
+  throw Error(ErrorCode::InvalidInput,
               fmt::format("{}: a colour picture: name --band, or --encoding terrain-rgb or "
                           "terrarium if its colours encode heights",
                           name));
@@ -40,7 +40,7 @@ int pick_band(GDALDataset& dataset, const DemOptions& options, const std::string
               std::vector<std::string>& notes) {
   const int count = dataset.GetRasterCount();
   if (options.band < 0 || options.band > count) {
-    throw Error(ErrorCode::kInvalidInput,
+    throw Error(ErrorCode::InvalidInput,
                 fmt::format("{}: no band {}: it has {}", name, options.band, count));
   }
   if (options.band == 0 && count > 1) {
@@ -57,7 +57,7 @@ SampleFormat colour_format(GDALDataset& dataset, const DemOptions& options,
     bytes = bytes && dataset.GetRasterBand(i)->GetRasterDataType() == GDT_Byte;
   }
   if (!bytes) {
-    throw Error(ErrorCode::kInvalidInput,
+    throw Error(ErrorCode::InvalidInput,
                 fmt::format("{}: not 3 or 4 bands of bytes: leave --encoding out", name));
   }
   SampleFormat format;
@@ -75,13 +75,13 @@ struct Shape {
 // The file may have been replaced since it was looked at: buffers are made for `shape`.
 Dataset reopen_dataset(const fs::path& file, const std::vector<int>& bands, Shape shape) {
   const std::string name = display_name(file);
-  Dataset dataset = open_fenced(file, Purpose::kDem, nullptr);
+  Dataset dataset = open_fenced(file, Purpose::Dem, nullptr);
   const bool same = dataset->GetRasterXSize() == shape.cols &&
                     dataset->GetRasterYSize() == shape.rows &&
                     dataset->GetRasterCount() >= bands.back() &&
                     dataset->GetRasterBand(bands.front())->GetRasterDataType() == shape.type;
   if (!same) {
-    throw Error(ErrorCode::kCorrupt,
+    throw Error(ErrorCode::Corrupt,
                 fmt::format("{}: changed while it was read: start again", name));
   }
   check_shape(*dataset, std::max(shape.cols, shape.rows), name);
@@ -92,7 +92,7 @@ std::unique_ptr<DemFile> open_gdal(const fs::path& file, const DemOptions& optio
                                    std::size_t buffer_bytes) {
   const std::string name = display_name(file);
   std::string note;
-  Dataset dataset = open_fenced(file, Purpose::kDem, &note);
+  Dataset dataset = open_fenced(file, Purpose::Dem, &note);
   const Messages messages;
   check_shape(*dataset, options.max_side, name);
   refuse_picture(*dataset, options, name);
@@ -106,7 +106,7 @@ std::unique_ptr<DemFile> open_gdal(const fs::path& file, const DemOptions& optio
   std::vector<std::string>& notes = parts.placement.georef.notes;
   if (!note.empty()) notes.push_back(note);
   std::vector<int> bands = {1, 2, 3, 4};
-  if (options.encoding != Encoding::kNone) {
+  if (options.encoding != Encoding::None) {
     parts.format = colour_format(*dataset, options, name);
     bands.resize(static_cast<std::size_t>(parts.format.bands));
   } else {
@@ -125,7 +125,7 @@ std::pair<int, int> raw_shape(const fs::path& file, const DemOptions& options, i
   std::error_code error;
   const auto bytes = static_cast<std::int64_t>(fs::file_size(file, error));
   if (error)
-    throw Error(ErrorCode::kNotFound, fmt::format("{}: no such file: check the path", name));
+    throw Error(ErrorCode::NotFound, fmt::format("{}: no such file: check the path", name));
   const auto side =
       static_cast<std::int64_t>(std::llround(std::sqrt(static_cast<double>(bytes) / sample_bytes)));
   std::pair<std::int64_t, std::int64_t> shape{side, side};
@@ -133,7 +133,7 @@ std::pair<int, int> raw_shape(const fs::path& file, const DemOptions& options, i
   const auto [cols, rows] = shape;
   if (cols < 1 || rows < 1 || cols > options.max_side || rows > options.max_side ||
       cols * rows * sample_bytes != bytes) {
-    throw Error(ErrorCode::kInvalidInput,
+    throw Error(ErrorCode::InvalidInput,
                 fmt::format("{}: {} bytes are not {} x {} samples of {}: name its size (--size)",
                             name, bytes, cols, rows, sample_bytes));
   }
@@ -182,9 +182,9 @@ std::unique_ptr<DemFile> open_dem_file(const fs::path& file, const DemOptions& o
 
 std::unique_ptr<HeightSource> open_dem(const std::vector<fs::path>& files,
                                        const DemOptions& options) {
-  if (files.empty()) throw Error(ErrorCode::kUsage, "no DEM file was named");
+  if (files.empty()) throw Error(ErrorCode::Usage, "no DEM file was named");
   if (!std::isfinite(options.z_scale) || options.z_scale == 0) {
-    throw Error(ErrorCode::kUsage, "the vertical scale must be a number other than 0");
+    throw Error(ErrorCode::Usage, "the vertical scale must be a number other than 0");
   }
   raise_fence();
   std::unique_ptr<HeightSource> source = open_posts(files, options);

@@ -59,7 +59,7 @@ class Reader {
     for (const int i : bands) {
       if (file.dataset->GetRasterBand(i)->GetRasterDataType() != type ||
           (type != GDT_Byte && type != GDT_UInt16)) {
-        throw Error(ErrorCode::kUnsupported,
+        throw Error(ErrorCode::Unsupported,
                     fmt::format("{}: not a picture of 8 or 16 bits: convert it to PNG", file.name));
       }
     }
@@ -67,7 +67,7 @@ class Reader {
     sample_bytes_ = type == GDT_Byte ? 1 : 2;
     bands_ = bands.size();
     raw_.resize(width_ * bands_ * sample_bytes_);
-    const auto open = [path = file.path] { return open_fenced(path, Purpose::kPicture, nullptr); };
+    const auto open = [path = file.path] { return open_fenced(path, Purpose::Picture, nullptr); };
     samples_ = gdal_samples(std::move(file.dataset), std::move(bands), file.name, open);
   }
 
@@ -106,7 +106,7 @@ PictureFile open_picture(const std::filesystem::path& path) {
   PictureFile file;
   file.name = display_name(path);
   file.path = path;
-  file.dataset = open_fenced(path, Purpose::kPicture, nullptr);
+  file.dataset = open_fenced(path, Purpose::Picture, nullptr);
   const Messages messages;
   check_shape(*file.dataset, kMaxSide, file.name);
   file.width = file.dataset->GetRasterXSize();

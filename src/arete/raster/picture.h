@@ -31,7 +31,7 @@ PictureFile open_picture(const std::filesystem::path& file);
 
 /// Reads it with every 2^shrink x 2^shrink pixels averaged (the last ones of a side may be fewer).
 /// Grey, palette, RGB(A) and multi-band pictures of 8 or 16 bits; the dataset is closed. Throws:
-/// kUnsupported, kCorrupt.
+/// Unsupported, Corrupt.
 Picture read_picture(PictureFile& file, int shrink);
 
 }  // namespace arete::raster

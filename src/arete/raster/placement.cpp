@@ -188,7 +188,7 @@ OGRSpatialReference parse_crs(const std::string& text, const std::string& name) 
       crs.SetFromUserInput(text.c_str(),
                            OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) !=
           OGRERR_NONE) {
-    throw Error(ErrorCode::kInvalidInput,
+    throw Error(ErrorCode::InvalidInput,
                 fmt::format("{}: '{}' names no coordinate reference system: write EPSG:N", name,
                             text.substr(0, 80)));
   }

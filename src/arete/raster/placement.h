@@ -19,7 +19,7 @@ struct Placement {
 };
 
 /// A CRS from "EPSG:N", WKT or PROJ text, x (longitude) first. No file and no network is asked.
-/// Throws: kInvalidInput naming `name`.
+/// Throws: InvalidInput naming `name`.
 OGRSpatialReference parse_crs(const std::string& text, const std::string& name);
 
 /// Placement of an open file; `source_crs`, if not empty, replaces the file's. A missing or

@@ -234,7 +234,7 @@ std::unique_ptr<HeightSource> reproject(std::unique_ptr<HeightSource> source,
   const Georef from = source->georef();
   const OGRSpatialReference target = parse_crs(crs, name);
   if (from.crs.empty()) {
-    throw Error(ErrorCode::kInvalidInput,
+    throw Error(ErrorCode::InvalidInput,
                 fmt::format("{}: names no CRS to reproject from: name --source-crs", name));
   }
   if (parse_crs(from.crs, name).IsSame(&target) != 0) return source;
@@ -245,12 +245,12 @@ std::unique_ptr<HeightSource> reproject(std::unique_ptr<HeightSource> source,
   const Grid grid =
       cover(extent(outward, source->cols(), source->rows()), source->cols(), source->rows());
   if (grid.cols < 1) {
-    throw Error(ErrorCode::kInvalidInput,
+    throw Error(ErrorCode::InvalidInput,
                 fmt::format("{}: lies outside of {}: name another --crs", name, crs));
   }
   if (grid.cols > max_side || grid.rows > max_side) {
-    throw Error(ErrorCode::kLimit, fmt::format("{}: {} x {} posts in {}: at most {} a side", name,
-                                               grid.cols, grid.rows, crs, max_side));
+    throw Error(ErrorCode::Limit, fmt::format("{}: {} x {} posts in {}: at most {} a side", name,
+                                              grid.cols, grid.rows, crs, max_side));
   }
   georef.crs_from_post = grid.crs_from_post;
   fill_world(georef, grid.cols, grid.rows, &target);

@@ -16,7 +16,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "raw files are read as they lie");
 
 [[noreturn]] void throw_corrupt(const std::string& name, int row, const std::string& why) {
-  throw Error(ErrorCode::kCorrupt,
+  throw Error(ErrorCode::Corrupt,
               fmt::format("{}: row {} cannot be read ({}): the file is damaged or cut short; fetch "
                           "it again",
                           name, row, why));
@@ -103,7 +103,7 @@ class RawSamples final : public Samples {
         name_(display_name(file)),
         row_bytes_(std::int64_t{cols} * sample_bytes) {
     if (!stream_) {
-      throw Error(ErrorCode::kIo, fmt::format("{}: cannot be opened: check its rights", name_));
+      throw Error(ErrorCode::Io, fmt::format("{}: cannot be opened: check its rights", name_));
     }
   }
 

@@ -15,7 +15,7 @@ namespace arete::raster {
 class Samples {
  public:
   virtual ~Samples() = default;
-  /// Rows [first, first + rows) into `out`. Throws: kCorrupt naming the row.
+  /// Rows [first, first + rows) into `out`. Throws: Corrupt naming the row.
   virtual void read(int first, int rows, std::byte* out) = 0;
   /// Rows that are cheapest to read together.
   virtual int block_rows() const = 0;
@@ -27,7 +27,7 @@ class Samples {
 std::unique_ptr<Samples> gdal_samples(Dataset dataset, std::vector<int> bands, std::string name,
                                       std::function<Dataset()> open);
 
-/// Little-endian samples of `sample_bytes` bytes without a header. Throws: kIo.
+/// Little-endian samples of `sample_bytes` bytes without a header. Throws: Io.
 std::unique_ptr<Samples> raw_samples(const std::filesystem::path& file, int cols, int sample_bytes);
 
 }  // namespace arete::raster

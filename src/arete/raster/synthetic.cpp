@@ -129,15 +129,15 @@ class Synthetic final : public HeightSource {
   void read_row(int r, std::span<float> row) override {
     std::fill(row.begin(), row.end(), 0.0F);
     switch (kind_) {
-      case SyntheticKind::kFlat:
+      case SyntheticKind::Flat:
         return;
-      case SyntheticKind::kSlope:
+      case SyntheticKind::Slope:
         return slope(r, row);
-      case SyntheticKind::kRidged:
+      case SyntheticKind::Ridged:
         return ridged(r, row);
-      case SyntheticKind::kFbm:
+      case SyntheticKind::Fbm:
         return fbm(r, row);
-      case SyntheticKind::kTerraces:
+      case SyntheticKind::Terraces:
         fbm(r, row);
         return cut_terraces(row);
     }
@@ -201,7 +201,7 @@ class Synthetic final : public HeightSource {
 
 std::unique_ptr<HeightSource> synthesize(SyntheticKind kind, int size, std::uint64_t seed) {
   if (size < 1 || size > (1 << 24)) {
-    throw Error(ErrorCode::kUsage,
+    throw Error(ErrorCode::Usage,
                 fmt::format("synthetic terrain: a side of {} posts: 1 to 2^24 are made", size));
   }
   return std::make_unique<Synthetic>(kind, size, seed);

@@ -65,12 +65,12 @@ std::optional<double> vertical_crs_unit(GDALRasterBand& band) {
 }
 
 double chosen_unit_m(Unit unit) {
-  if (unit == Unit::kFoot) return kFootM;
-  return unit == Unit::kUsSurveyFoot ? kUsSurveyFootM : 1;
+  if (unit == Unit::Foot) return kFootM;
+  return unit == Unit::UsSurveyFoot ? kUsSurveyFootM : 1;
 }
 
 double unit_in_metres(GDALRasterBand& band, Unit unit, std::vector<std::string>& notes) {
-  if (unit != Unit::kFromFile) return chosen_unit_m(unit);
+  if (unit != Unit::FromFile) return chosen_unit_m(unit);
   const std::string name = band.GetUnitType();
   if (name.empty()) return vertical_crs_unit(band).value_or(1);
   if (const auto metres = named_unit(name)) return *metres;
@@ -209,7 +209,7 @@ ValueRule value_rule(GDALRasterBand& band, const DemOptions& options, const std:
   ValueRule rule;
   rule.type = band.GetRasterDataType();
   if (rule.type == GDT_Unknown || GDALDataTypeIsComplex(rule.type) != 0) {
-    throw Error(ErrorCode::kUnsupported,
+    throw Error(ErrorCode::Unsupported,
                 fmt::format("{}: its samples are complex numbers: name another --band", name));
   }
   const char* pixel_type = band.GetMetadataItem("PIXELTYPE", "IMAGE_STRUCTURE");

@@ -34,7 +34,7 @@ struct ValueRule {
 };
 
 /// The rule of a band under the options; notes get a sentence for what was assumed. Throws:
-/// kUnsupported for complex samples.
+/// Unsupported for complex samples.
 ValueRule value_rule(GDALRasterBand& band, const DemOptions& options, const std::string& name,
                      std::vector<std::string>& notes);
 

@@ -29,7 +29,7 @@ constexpr std::size_t kBandBytes = std::size_t{64} << 20U;
 
 [[noreturn]] void throw_io(const fs::path& file, const std::string& why) {
   throw Error(
-      ErrorCode::kIo,
+      ErrorCode::Io,
       fmt::format("{}: not written ({}): check the folder and its free space", file.string(), why));
 }
 
@@ -38,9 +38,8 @@ class Partial {
  public:
   explicit Partial(const fs::path& file) : file_(file), partial_(file) {
     if (fs::symlink_status(file).type() != fs::file_type::not_found) {
-      throw Error(
-          ErrorCode::kIo,
-          fmt::format("{}: exists already: remove it or choose another name", file.string()));
+      throw Error(ErrorCode::Io, fmt::format("{}: exists already: remove it or choose another name",
+                                             file.string()));
     }
     partial_ += fmt::format(".{}.part", ::getpid());
     std::error_code ignored;

@@ -15,7 +15,7 @@ std::uint64_t factor_alignment() {
 
 DrawFactors factors_of(const DrawBatch& batch, Morph morph) {
   DrawFactors f{};
-  if (morph == Morph::kOn) std::copy(batch.factor.begin(), batch.factor.end(), f.factor.begin());
+  if (morph == Morph::On) std::copy(batch.factor.begin(), batch.factor.end(), f.factor.begin());
   return f;
 }
 
@@ -49,7 +49,7 @@ void Batches::place(const DrawList& list, const BlockSource& blocks, Morph morph
         static_cast<std::uint32_t>(*indices / kIndexBytes) + batch.first_index,
         static_cast<std::int32_t>(*vertices / sizeof(Vertex)),
         static_cast<std::uint32_t>(factors_.size())};
-    (batch.topology == Topology::kStrip ? strips_ : triangles_).push_back(command);
+    (batch.topology == Topology::Strip ? strips_ : triangles_).push_back(command);
     factors_.push_back(factors_of(batch, morph));
   }
   arena.write(factors_offset_, std::as_bytes(std::span(factors_)));
@@ -60,7 +60,7 @@ void Batches::place(const DrawList& list, const BlockSource& blocks, Morph morph
 
 void Batches::update_appended(const DrawList& list, const BlockSource& blocks, BlockArena& arena) {
   for (const Upload& u : list.uploads) {
-    arena.update({&blocks, u.block, BlockKind::kVertices}, std::as_bytes(blocks.vertices(u.block)),
+    arena.update({&blocks, u.block, BlockKind::Vertices}, std::as_bytes(blocks.vertices(u.block)),
                  u.first * sizeof(Vertex), u.count * sizeof(Vertex));
   }
 }
@@ -68,8 +68,8 @@ void Batches::update_appended(const DrawList& list, const BlockSource& blocks, B
 // Before anything is added: what this frame uses must not be evicted for it.
 void Batches::touch(const DrawList& list, const BlockSource& blocks, BlockArena& arena) {
   for (const DrawBatch& batch : list.batches) {
-    if (batch.vertices != kOwnBlock) arena.find({&blocks, batch.vertices, BlockKind::kVertices});
-    if (batch.indices != kOwnBlock) arena.find({&blocks, batch.indices, BlockKind::kIndices});
+    if (batch.vertices != kOwnBlock) arena.find({&blocks, batch.vertices, BlockKind::Vertices});
+    if (batch.indices != kOwnBlock) arena.find({&blocks, batch.indices, BlockKind::Indices});
   }
 }
 
@@ -91,7 +91,7 @@ bool Batches::reserve(const DrawList& list, BlockArena& arena) {
 
 std::optional<std::uint64_t> Batches::vertices_of(const DrawBatch& batch, BlockArena& arena) {
   if (batch.vertices == kOwnBlock) return own_vertices_;
-  const BlockName name{blocks_, batch.vertices, BlockKind::kVertices};
+  const BlockName name{blocks_, batch.vertices, BlockKind::Vertices};
   if (const auto held = arena.find(name)) return held;
   const auto bytes = std::as_bytes(blocks_->vertices(batch.vertices));
   return arena.add(name, bytes, is_appended(*list_, batch.vertices) ? bytes.size() / 2 : 0);
@@ -99,7 +99,7 @@ std::optional<std::uint64_t> Batches::vertices_of(const DrawBatch& batch, BlockA
 
 std::optional<std::uint64_t> Batches::indices_of(const DrawBatch& batch, BlockArena& arena) {
   if (batch.indices == kOwnBlock) return own_indices_;
-  const BlockName name{blocks_, batch.indices, BlockKind::kIndices};
+  const BlockName name{blocks_, batch.indices, BlockKind::Indices};
   if (const auto held = arena.find(name)) return held;
   return arena.add(name, std::as_bytes(blocks_->indices(batch.indices)));
 }

@@ -24,7 +24,7 @@ struct DrawFactors {
   std::array<float, 16> factor;
 };
 
-enum class Morph { kOn, kOff };
+enum class Morph { On, Off };
 
 /// A DrawList's batches, placed in the arena for one frame. Keeps its memory between frames.
 class Batches {

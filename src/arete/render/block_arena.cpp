@@ -29,7 +29,7 @@ BlockArena::BlockArena(std::uint64_t cap_bytes)
     : cap_granules_(cap_bytes / kGranule),
       allocator_(std::min(cap_granules_, kFirstBytes / kGranule)) {
   if (allocate(capacity())) return;
-  throw Error(ErrorCode::kLimit,
+  throw Error(ErrorCode::Limit,
               fmt::format("GPU memory: the driver refuses {} bytes: close other programs that use "
                           "the GPU or allow less",
                           capacity()));

@@ -14,13 +14,13 @@
 
 namespace arete::render {
 
-enum class BlockKind : std::uint8_t { kVertices, kIndices };
+enum class BlockKind : std::uint8_t { Vertices, Indices };
 
 /// A block of one engine: keys of different engines, and of vertices and indices, may coincide.
 struct BlockName {
   const BlockSource* source = nullptr;
   BlockKey key = kOwnBlock;
-  BlockKind kind = BlockKind::kVertices;
+  BlockKind kind = BlockKind::Vertices;
   friend bool operator==(const BlockName&, const BlockName&) = default;
 };
 
@@ -31,7 +31,7 @@ class BlockArena {
  public:
   static constexpr std::uint64_t kGranule = sizeof(Vertex);
 
-  /// Throws: kLimit when the driver has not even the first part.
+  /// Throws: Limit when the driver has not even the first part.
   explicit BlockArena(std::uint64_t cap_bytes);
   /// Gives the streams of the frame before back. Blocks not found or added since may be evicted.
   void begin_frame();

@@ -45,8 +45,8 @@ Frame::Frame(int width, int height) : impl_(new Impl{width, height}) {
   GLint limit = 0;
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
   if (width < 1 || height < 1 || width > limit || height > limit) {
-    throw Error(ErrorCode::kLimit, fmt::format("{}x{}: no such picture size: use 1 to {} a side",
-                                               width, height, limit));
+    throw Error(ErrorCode::Limit, fmt::format("{}x{}: no such picture size: use 1 to {} a side",
+                                              width, height, limit));
   }
   glTextureStorage2D(impl_->colour.get(), 1, GL_RGBA8, width, height);
   glTextureStorage2D(impl_->depth.get(), 1, GL_DEPTH_COMPONENT32F, width, height);
@@ -54,7 +54,7 @@ Frame::Frame(int width, int height) : impl_(new Impl{width, height}) {
   glNamedFramebufferTexture(fbo, GL_COLOR_ATTACHMENT0, impl_->colour.get(), 0);
   glNamedFramebufferTexture(fbo, GL_DEPTH_ATTACHMENT, impl_->depth.get(), 0);
   if (glCheckNamedFramebufferStatus(fbo, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-    throw Error(ErrorCode::kUnsupported,
+    throw Error(ErrorCode::Unsupported,
                 "OpenGL: no RGBA8 + D32F framebuffer: update the graphics driver");
   }
 }

@@ -130,7 +130,7 @@ HeadlessContext::HeadlessContext() : impl_(std::make_unique<Impl>()) {
     impl_->give_up();
     tried += fmt::format("{}{}", tried.empty() ? "" : ", ", failure);
   }
-  throw Error(ErrorCode::kUnsupported,
+  throw Error(ErrorCode::Unsupported,
               fmt::format("OpenGL: no headless 4.5 context ({}): install Mesa (libegl1, "
                           "libgl1-mesa-dri) or a GPU driver with EGL",
                           tried));

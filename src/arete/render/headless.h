@@ -9,7 +9,7 @@ namespace arete::render {
 /// platform (hardware before software), then surfaceless, then the default display.
 class HeadlessContext {
  public:
-  /// Throws: kUnsupported, saying what was tried.
+  /// Throws: Unsupported, saying what was tried.
   HeadlessContext();
   ~HeadlessContext();
   HeadlessContext(const HeadlessContext&) = delete;

@@ -56,8 +56,8 @@ void write_png(const std::filesystem::path& file, int width, int height,
                std::span<const std::uint8_t> rgb) {
   std::FILE* out = std::fopen(file.c_str(), "wb");
   if (out == nullptr) {
-    throw Error(ErrorCode::kIo, fmt::format("{}: cannot be written: {}", file.string(),
-                                            std::generic_category().message(errno)));
+    throw Error(ErrorCode::Io, fmt::format("{}: cannot be written: {}", file.string(),
+                                           std::generic_category().message(errno)));
   }
   errno = 0;
   bool ok = encode(out, width, height, rgb.data());
@@ -66,8 +66,8 @@ void write_png(const std::filesystem::path& file, int width, int height,
   const int why = errno != 0 ? errno : EIO;
   std::error_code ignored;
   std::filesystem::remove(file, ignored);
-  throw Error(ErrorCode::kIo, fmt::format("{}: writing failed: {}", file.string(),
-                                          std::generic_category().message(why)));
+  throw Error(ErrorCode::Io, fmt::format("{}: writing failed: {}", file.string(),
+                                         std::generic_category().message(why)));
 }
 
 }  // namespace arete::render

@@ -15,7 +15,7 @@ constexpr std::string_view kPreamble =
 
 [[noreturn]] void refuse(std::string_view name, std::string log) {
   std::replace(log.begin(), log.end(), '\n', ' ');
-  throw Error(ErrorCode::kUnsupported,
+  throw Error(ErrorCode::Unsupported,
               fmt::format("OpenGL: shader {} refused: {}: update the driver", name, log));
 }
 

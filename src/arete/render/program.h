@@ -14,7 +14,7 @@ struct ShaderStage {
 };
 
 /// Compiles and links. `captured`: varying for transform feedback, empty = none.
-/// Throws: kUnsupported with the driver's first message.
+/// Throws: Unsupported with the driver's first message.
 GlProgram link_program(std::string_view name, const std::vector<ShaderStage>& stages,
                        const char* captured = nullptr);
 

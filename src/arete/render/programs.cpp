@@ -57,7 +57,7 @@ Programs::Programs()
 
 const GlProgram& Programs::land(const Style& style, Mask mask) const {
   const auto i = static_cast<std::size_t>(mask);
-  if (style.shading == Shading::kKey) return key_[i];
+  if (style.shading == Shading::Key) return key_[i];
   return style.wireframe ? wire_[i] : filled_[i];
 }
 

@@ -8,12 +8,12 @@
 
 namespace arete::render {
 
-enum class Mask : std::uint8_t { kOff, kOn };
+enum class Mask : std::uint8_t { Off, On };
 
 /// Every program of the renderer.
 class Programs {
  public:
-  /// Throws: kUnsupported when the driver refuses one.
+  /// Throws: Unsupported when the driver refuses one.
   Programs();
   /// What draws land in this style; masked = fragments without data are discarded. Programs without
   /// a discard are kept apart because they let the depth test run first.

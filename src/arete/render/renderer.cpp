@@ -172,7 +172,7 @@ struct Renderer::Impl {
     frame.sun = glm::dvec4(sun, gain);
     frame.tint = glm::dvec4(land.z_min, 1 / range, tint.sea_level, spacing(land));
     const double thickness = std::max(1.5 * range, 0.1 * side);
-    const double air = land.body == Body::kAirless ? 0 : 0.9 / side;
+    const double air = land.body == Body::Airless ? 0 : 0.9 / side;
     frame.haze = glm::dvec4(air, 1 / thickness, view.eye.z - land.z_min, 0);
     set_sky();
   }
@@ -180,10 +180,10 @@ struct Renderer::Impl {
   void set_sky() {
     frame.sky_zenith = {0.035F, 0.115F, 0.36F, 1};
     frame.sky_horizon = {0.40F, 0.53F, 0.68F, 0};
-    if (land.body == Body::kMars) {
+    if (land.body == Body::Mars) {
       frame.sky_zenith = {0.22F, 0.15F, 0.10F, 1};
       frame.sky_horizon = {0.56F, 0.42F, 0.30F, 0};
-    } else if (land.body == Body::kAirless) {
+    } else if (land.body == Body::Airless) {
       frame.sky_zenith = frame.sky_horizon = glm::vec4(0.0006F, 0.0006F, 0.0009F, 0);
     }
   }
@@ -197,9 +197,9 @@ struct Renderer::Impl {
 
   void set_clipmaps(const View& view, const Style& style) {
     const glm::dvec2 centre = land.world_from_post.inverse({view.eye.x, view.eye.y});
-    frame.has = glm::ivec4(0, 0, 0, land.body == Body::kEarth ? 0 : 1);
+    frame.has = glm::ivec4(0, 0, 0, land.body == Body::Earth ? 0 : 1);
     for (std::size_t i = 0; i < clipmaps.size(); ++i) {
-      const bool wanted = i == 1 ? style.mask : style.shading == Shading::kLand;
+      const bool wanted = i == 1 ? style.mask : style.shading == Shading::Land;
       if (!clipmaps[i] || !wanted) continue;
       clipmaps[i]->update(centre, finest_useful(view), style.texture_tiles);
       frame.has[static_cast<int>(i)] = 1;
@@ -255,15 +255,14 @@ struct Renderer::Impl {
 
 Renderer::Renderer(const Land& land, std::size_t gpu_memory) {
   if (epoxy_gl_version() < 45 || !epoxy_has_gl_extension("GL_ARB_shader_draw_parameters")) {
-    throw Error(ErrorCode::kUnsupported,
+    throw Error(ErrorCode::Unsupported,
                 fmt::format("OpenGL: version {}.{} is too old: 4.5 with draw parameters is needed, "
                             "update the graphics driver",
                             epoxy_gl_version() / 10, epoxy_gl_version() % 10));
   }
   if (gpu_memory < kSmallestMemory) {
-    throw Error(ErrorCode::kLimit,
-                fmt::format("GPU memory: {} bytes are too few: allow at least {}", gpu_memory,
-                            kSmallestMemory));
+    throw Error(ErrorCode::Limit, fmt::format("GPU memory: {} bytes are too few: allow at least {}",
+                                              gpu_memory, kSmallestMemory));
   }
   impl_ = std::make_unique<Impl>(land, gpu_memory);
 }
@@ -291,11 +290,11 @@ void Renderer::draw(const View& view, const DrawList& list, const BlockSource& b
   r.set_look(view, style);
   r.set_clipmaps(view, style);
   r.send_frame();
-  r.batches.place(list, blocks, style.morph ? Morph::kOn : Morph::kOff, r.arena);
+  r.batches.place(list, blocks, style.morph ? Morph::On : Morph::Off, r.arena);
   r.bind_vertices();
-  glUseProgram(r.programs.land(style, r.frame.has.y != 0 ? Mask::kOn : Mask::kOff).get());
+  glUseProgram(r.programs.land(style, r.frame.has.y != 0 ? Mask::On : Mask::Off).get());
   r.batches.draw(r.arena);
-  if (style.shading == Shading::kLand) r.draw_sky();
+  if (style.shading == Shading::Land) r.draw_sky();
   r.count();
 }
 
@@ -316,7 +315,7 @@ std::vector<float> Renderer::vertex_stage(const View& view, const DrawList& list
     drawn.resize(first + 3 * n, std::numeric_limits<float>::quiet_NaN());
     one.batches.assign(1, batch);
     one.batches.front().indices = kOwnBlock;  // points need none
-    r.batches.place(one, blocks, Morph::kOn, r.arena);
+    r.batches.place(one, blocks, Morph::On, r.arena);
     if (r.batches.count() > 0 && n > 0) r.capture(std::span(drawn).subspan(first));
   }
   return drawn;

@@ -16,9 +16,9 @@ namespace arete::render {
 
 /// Whose land it is: decides tint, sea and sky.
 enum class Body {
-  kEarth,    ///< green valleys to snow, sea below 0 m, blue sky
-  kMars,     ///< ochres, a dusty sky, no sea
-  kAirless,  ///< greys under a black sky: the Moon and its like
+  Earth,    ///< green valleys to snow, sea below 0 m, blue sky
+  Mars,     ///< ochres, a dusty sky, no sea
+  Airless,  ///< greys under a black sky: the Moon and its like
 };
 
 /// What every frame of a terrain shares. The sources must outlive the renderer; null = none.
@@ -26,23 +26,23 @@ struct Land {
   Affine2 world_from_post;
   int cols = 0, rows = 0;
   double z_min = 0, z_max = 0;  ///< metres, for the tint
-  Body body = Body::kEarth;
+  Body body = Body::Earth;
   const RasterSource* normals = nullptr;
   const RasterSource* validity = nullptr;
   const RasterSource* drape = nullptr;
 };
 
 enum class Shading {
-  kLand,  ///< hypsometric tint or drape, lit, with haze
-  kKey,   ///< kKeyLand before kKeyBackground, no light, no haze: what `verify` counts leaks with
+  Land,  ///< hypsometric tint or drape, lit, with haze
+  Key,   ///< kKeyLand before kKeyBackground, no light, no haze: what `verify` counts leaks with
 };
 
 inline constexpr std::array<std::uint8_t, 3> kKeyLand{255, 255, 255};
 inline constexpr std::array<std::uint8_t, 3> kKeyBackground{255, 0, 255};
 
 struct Style {
-  Shading shading = Shading::kLand;
-  bool wireframe = false;  ///< triangle edges over the land; kLand only
+  Shading shading = Shading::Land;
+  bool wireframe = false;  ///< triangle edges over the land; Land only
   bool mask = true;        ///< discard fragments without data
   bool morph = true;       ///< false: factors are taken as 0
   /// Direction towards the sun, world, any length; from the north-west, as maps are shaded.
@@ -83,7 +83,7 @@ struct DrawStats {
 /// Draws any DrawList. Requires: a current OpenGL 4.5 context for the whole life of the object.
 class Renderer {
  public:
-  /// gpu_memory: hard cap on vertex, index and texture bytes. Throws: kLimit, kUnsupported.
+  /// gpu_memory: hard cap on vertex, index and texture bytes. Throws: Limit, Unsupported.
   explicit Renderer(const Land& land, std::size_t gpu_memory = std::size_t{1} << 30U);
   ~Renderer();
   Renderer(const Renderer&) = delete;

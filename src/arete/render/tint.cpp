@@ -41,8 +41,8 @@ constexpr std::array<Stop, 4> kMoon{{{0.00, {78, 78, 82}},
                                      {1.00, {206, 204, 200}}}};
 
 std::span<const Stop> ramp(Body body) {
-  if (body == Body::kMars) return kMars;
-  if (body == Body::kAirless) return kMoon;
+  if (body == Body::Mars) return kMars;
+  if (body == Body::Airless) return kMoon;
   return kLand;
 }
 
@@ -96,9 +96,9 @@ std::uint8_t grain_at(int x, int y) {
 
 Tint make_tint(Body body, double z_min, double z_max) {
   const double range = std::max(z_max - z_min, 1e-9);
-  const bool has_sea = body == Body::kEarth && z_min < 0 && z_max > 0;
+  const bool has_sea = body == Body::Earth && z_min < 0 && z_max > 0;
   const double sea = has_sea ? -z_min / range : 0;
-  const double top = body == Body::kEarth ? top_of_ramp(z_max) : 1;
+  const double top = body == Body::Earth ? top_of_ramp(z_max) : 1;
   std::vector<std::uint8_t> texels;
   for (int i = 0; i < kTexels; ++i) {
     const double t = (i + 0.5) / kTexels;

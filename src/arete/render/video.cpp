@@ -54,7 +54,7 @@ struct Pipe {
 Pipe make_pipe() {
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) {
-    throw Error(ErrorCode::kIo,
+    throw Error(ErrorCode::Io,
                 fmt::format("ffmpeg: no pipe: {}", std::generic_category().message(errno)));
   }
   return {ends[0], ends[1]};
@@ -150,7 +150,7 @@ struct VideoWriter::Impl {
     close(failure.read_end);
     if (why == 0) return;
     wait_for_child();
-    throw Error(ErrorCode::kUnsupported,
+    throw Error(ErrorCode::Unsupported,
                 fmt::format("ffmpeg: cannot be started: {}: install the package ffmpeg",
                             std::generic_category().message(why)));
   }
@@ -175,7 +175,7 @@ struct VideoWriter::Impl {
   [[noreturn]] void fail() {
     const int status = wait_for_child();
     remove_file();
-    throw Error(ErrorCode::kIo,
+    throw Error(ErrorCode::Io,
                 fmt::format("{}: ffmpeg failed (status {}): check the folder, the free space and "
                             "that ffmpeg has libx264",
                             file.string(), status));

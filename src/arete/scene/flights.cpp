@@ -122,7 +122,7 @@ Path make_path(const std::string& name_or_file, const Ground& ground) {
   std::error_code ignored;
   if (file.extension() != ".json" && !std::filesystem::exists(file, ignored)) {
     throw Error(
-        ErrorCode::kUsage,
+        ErrorCode::Usage,
         fmt::format("{}: no such path: use flyover, orbit, descent or a JSON file", name_or_file));
   }
   return read_path(file);

@@ -47,13 +47,13 @@ struct Ground {
 };
 
 /// "flyover", "orbit", "descent" (DESIGN.md section 5) or a JSON file. The named ones stay at least
-/// one post spacing above the ground. Throws: kUsage, kNotFound, kInvalidInput.
+/// one post spacing above the ground. Throws: Usage, NotFound, InvalidInput.
 Path make_path(const std::string& name_or_file, const Ground& ground);
 
 /// {"keyframes": [{"t", "eye": [x, y, z], "yaw", "pitch", "fovy"}, ...]}: seconds, metres, degrees.
-/// Throws: kNotFound, kInvalidInput naming the keyframe.
+/// Throws: NotFound, InvalidInput naming the keyframe.
 Path read_path(const std::filesystem::path& json);
-/// Throws: kIo.
+/// Throws: Io.
 void write_path(const Path& path, const std::filesystem::path& json);
 
 }  // namespace arete::scene

@@ -15,7 +15,7 @@ using nlohmann::json;
 constexpr double kDegree = std::numbers::pi / 180;
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& what) {
-  throw Error(ErrorCode::kInvalidInput,
+  throw Error(ErrorCode::InvalidInput,
               fmt::format("{}: {}: write {{\"keyframes\": [{{\"t\", \"eye\": [x, y, z], \"yaw\", "
                           "\"pitch\", \"fovy\"}}]}}",
                           file.string(), what));
@@ -75,7 +75,7 @@ json parse(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   std::error_code ignored;
   if (!in || std::filesystem::is_directory(file, ignored)) {
-    throw Error(ErrorCode::kNotFound,
+    throw Error(ErrorCode::NotFound,
                 fmt::format("{}: cannot be read: check the name of the path file", file.string()));
   }
   json document = json::parse(in, nullptr, false);
@@ -115,8 +115,8 @@ void write_path(const Path& path, const std::filesystem::path& file) {
   out << json{{"keyframes", list}}.dump(1) << '\n';
   out.close();
   if (!out) {
-    throw Error(ErrorCode::kIo, fmt::format("{}: cannot be written: check the folder and its space",
-                                            file.string()));
+    throw Error(ErrorCode::Io, fmt::format("{}: cannot be written: check the folder and its space",
+                                           file.string()));
   }
 }
 

@@ -32,14 +32,14 @@ std::unique_ptr<Terrain> open_quietly(const fs::path& store) {
 void check_source(const HeightSource& source) {
   const auto sized = [](int n) { return n >= 1 && n <= kMaxSide; };
   if (!sized(source.cols()) || !sized(source.rows()))
-    throw Error(ErrorCode::kInvalidInput,
+    throw Error(ErrorCode::InvalidInput,
                 fmt::format("{}: {} x {} posts: a store takes 1 to {} a side", source.description(),
                             source.cols(), source.rows(), kMaxSide));
   const Affine2 world = source.georef().world_from_post;
   const bool finite = std::ranges::all_of(world.m, [](double v) { return std::isfinite(v); });
   if (!finite || !std::isnormal(world.determinant()))
     throw Error(
-        ErrorCode::kInvalidInput,
+        ErrorCode::InvalidInput,
         source.description() + ": posts have no finite spacing: give --crs or mend the file");
 }
 
@@ -60,7 +60,7 @@ void require_same_heights(HeightSource& source, const fs::path& store) {
                       std::abs(static_cast<double>(was[c]) - is[c]) <= m.max_store_error_m);
   }
   if (!same)
-    throw Error(ErrorCode::kUsage,
+    throw Error(ErrorCode::Usage,
                 store.string() + ": holds another terrain: choose another output or use --force");
 }
 
@@ -105,11 +105,11 @@ void in_part_directory(const fs::path& output, const std::string& key,
     work(part);
     publish_directory(part.store(), output, part.retired());
   } catch (const Error& error) {
-    if (error.code() != ErrorCode::kCancelled) part.remove();
+    if (error.code() != ErrorCode::Cancelled) part.remove();
     throw;
   } catch (const fs::filesystem_error& error) {
     part.remove();
-    throw Error(ErrorCode::kIo, fmt::format("{}: {}", output.string(), error.code().message()));
+    throw Error(ErrorCode::Io, fmt::format("{}: {}", output.string(), error.code().message()));
   } catch (...) {
     part.remove();
     throw;

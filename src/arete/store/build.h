@@ -58,7 +58,7 @@ struct BuildOptions {
 /// Builds a store from a DEM, or adds missing segments when the store at `output` is of the same
 /// source. Publishes atomically: a crash leaves the old store or none, and the next call resumes.
 /// The bytes depend on heights, options and methods only.
-/// Throws: kInvalidInput, kIo, kLimit, kCancelled; nothing is left at `output` then.
+/// Throws: InvalidInput, Io, Limit, Cancelled; nothing is left at `output` then.
 void build(HeightSource& source, const BuildOptions& options, const BuildContext& context);
 
 /// Adds segments to an existing store (same atomic rules); used for methods chosen later.

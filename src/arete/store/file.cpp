@@ -29,10 +29,10 @@ class PosixFile : public File {
       const ssize_t n = ::pread(fd_, out.data(), out.size(), static_cast<off_t>(offset));
       if (n < 0 && errno == EINTR) continue;
       if (n < 0)
-        throw Error(ErrorCode::kIo, fmt::format("{}: cannot read at byte {}: {}", name_, offset,
-                                                std::strerror(errno)));
+        throw Error(ErrorCode::Io, fmt::format("{}: cannot read at byte {}: {}", name_, offset,
+                                               std::strerror(errno)));
       if (n == 0)
-        throw Error(ErrorCode::kCorrupt,
+        throw Error(ErrorCode::Corrupt,
                     fmt::format("{}: ends at byte {}: rebuild the store", name_, offset));
       offset += static_cast<std::uint64_t>(n);
       out = out.subspan(static_cast<std::size_t>(n));
@@ -50,12 +50,12 @@ class PosixFile : public File {
 std::unique_ptr<File> open_file(const std::filesystem::path& path) {
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (fd < 0)
-    throw Error(errno == ENOENT || errno == ENOTDIR ? ErrorCode::kNotFound : ErrorCode::kIo,
+    throw Error(errno == ENOENT || errno == ENOTDIR ? ErrorCode::NotFound : ErrorCode::Io,
                 fmt::format("{}: cannot open: {}", path.string(), std::strerror(errno)));
   struct stat status {};
   if (::fstat(fd, &status) != 0 || !S_ISREG(status.st_mode)) {
     ::close(fd);
-    throw Error(ErrorCode::kIo, fmt::format("{}: not a regular file", path.string()));
+    throw Error(ErrorCode::Io, fmt::format("{}: not a regular file", path.string()));
   }
   return std::make_unique<PosixFile>(fd, static_cast<std::uint64_t>(status.st_size), path.string());
 }

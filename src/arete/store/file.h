@@ -14,11 +14,11 @@ class File {
  public:
   virtual ~File() = default;
   virtual std::uint64_t size() const = 0;
-  /// Fills `out` from `offset`. Throws: kIo; kCorrupt when the file ends first.
+  /// Fills `out` from `offset`. Throws: Io; Corrupt when the file ends first.
   virtual void read_at(std::uint64_t offset, std::span<std::byte> out) const = 0;
 };
 
-/// A regular file read by pread. Throws: kNotFound, kIo.
+/// A regular file read by pread. Throws: NotFound, Io.
 std::unique_ptr<File> open_file(const std::filesystem::path& path);
 
 }  // namespace arete::store

@@ -65,21 +65,20 @@ Page seal(const std::vector<std::byte>& bytes) {
 // Checks magic and hash; gives the bytes behind the magic.
 ByteReader unseal(const Page& page, std::string_view magic, const std::string& place) {
   if (std::memcmp(page.data(), magic.data(), magic.size()) != 0)
-    throw Error(ErrorCode::kCorrupt,
-                place + ": not a segment of an Arete store: rebuild the store");
+    throw Error(ErrorCode::Corrupt, place + ": not a segment of an Arete store: rebuild the store");
   if (own_hash(page) != hash64(std::span(page).first(kHashAt)))
-    throw Error(ErrorCode::kCorrupt, place + " is damaged: rebuild the store");
+    throw Error(ErrorCode::Corrupt, place + " is damaged: rebuild the store");
   return ByteReader(std::span(page).first(kHashAt).subspan(magic.size()));
 }
 
 void refuse_unknown(const SegmentHeader& h, const std::string& file) {
   if (h.version_major != kVersionMajor)
-    throw Error(ErrorCode::kUnsupported,
+    throw Error(ErrorCode::Unsupported,
                 fmt::format("{}: format version {}, this build reads {}: use a newer arete", file,
                             h.version_major, kVersionMajor));
   const std::uint64_t unknown = h.required_features & ~kKnownRequired;
   if (unknown != 0)
-    throw Error(ErrorCode::kUnsupported,
+    throw Error(ErrorCode::Unsupported,
                 fmt::format("{}: needs unknown features {:#x}: use a newer arete", file, unknown));
 }
 
@@ -126,7 +125,7 @@ SegmentHeader decode_header(const Page& page, std::uint64_t file_bytes, const st
   refuse_unknown(h, file);
   if (!layout_fits(h, file_bytes) || !is_segment_name(h.name))
     throw Error(
-        ErrorCode::kCorrupt,
+        ErrorCode::Corrupt,
         fmt::format("{}: truncated or damaged ({} bytes, header says {}): rebuild the store", file,
                     file_bytes, h.file_bytes));
   return h;

@@ -62,7 +62,7 @@ struct BlockEntry {
 Page encode_header(const SegmentHeader& header);
 Page encode_footer(const SegmentFooter& footer);
 /// Checks magic, hash, version, features, and that all offsets fit `file_bytes`.
-/// Throws: kCorrupt, kUnsupported, naming `file`.
+/// Throws: Corrupt, Unsupported, naming `file`.
 SegmentHeader decode_header(const Page& page, std::uint64_t file_bytes, const std::string& file);
 SegmentFooter decode_footer(const Page& page, const std::string& file);
 /// The hash that a header or footer page carries at its end.

@@ -13,11 +13,11 @@ namespace {
 constexpr std::size_t kSide = kTilePosts;
 constexpr std::size_t kValidBytes = (kTilePostCount + 7) / 8;
 
-// kGradient predicts west + north - northwest, kNorth the post above; the first row always by west.
-enum Predictor : std::uint8_t { kGradient = 0, kNorth = 1 };
+// Gradient predicts west + north - northwest, North the post above; the first row always by west.
+enum Predictor : std::uint8_t { Gradient = 0, North = 1 };
 
 struct TileHead {
-  std::uint8_t predictor = kGradient;
+  std::uint8_t predictor = Gradient;
   std::uint8_t planes = 0;     // 0, 1 or 2: residuals of 16 bits; 4: of 32; 0: all are zero
   std::uint8_t has_valid = 0;  // 1: a bit a post follows the planes, lowest bit first
   std::int32_t base = 0;       // the least count; residuals are of count - base
@@ -59,7 +59,7 @@ void predict(const Words<Word>& u, std::uint8_t predictor, Words<Word>& z) {
     const Word* north = row - kSide;
     Word* out = &z[r * kSide];
     out[0] = zigzag(static_cast<Word>(row[0] - north[0]));
-    if (predictor == kNorth) {
+    if (predictor == North) {
       for (std::size_t c = 1; c < kSide; ++c) out[c] = zigzag(static_cast<Word>(row[c] - north[c]));
     } else {
       for (std::size_t c = 1; c < kSide; ++c)
@@ -75,7 +75,7 @@ void restore(Words<Word>& z, std::uint8_t predictor) {
   for (std::size_t r = 1; r < kSide; ++r) {
     Word* row = &z[r * kSide];
     const Word* north = row - kSide;
-    if (predictor == kGradient)
+    if (predictor == Gradient)
       for (std::size_t c = 1; c < kSide; ++c) row[c] = static_cast<Word>(row[c] + row[c - 1]);
     for (std::size_t c = 0; c < kSide; ++c) row[c] = static_cast<Word>(row[c] + north[c]);
   }
@@ -96,7 +96,7 @@ std::uint8_t choose_predictor(const Words<Word>& u) {
       gradient += zigzag(static_cast<Word>(d - west));
     }
   }
-  return gradient <= north_only ? kGradient : kNorth;
+  return gradient <= north_only ? Gradient : North;
 }
 
 template <typename Word>
@@ -196,11 +196,11 @@ void decode_tile(std::span<const std::byte> raw, HeightTile& tile) {
   TileHead head;
   head_fields(reader, head);
   const bool known =
-      head.predictor <= kNorth && head.has_valid <= 1 && (head.planes <= 2 || head.planes == 4);
+      head.predictor <= North && head.has_valid <= 1 && (head.planes <= 2 || head.planes == 4);
   const auto planes = reader.bytes(head.planes * kTilePostCount);
   const auto bits = reader.bytes(head.has_valid * kValidBytes);
   if (!known || !reader.ok() || reader.left() != 0)
-    throw Error(ErrorCode::kCorrupt, "height tile: not in a known coding: rebuild the store");
+    throw Error(ErrorCode::Corrupt, "height tile: not in a known coding: rebuild the store");
   if (head.planes == 4)
     decode_words<std::uint32_t>(planes, head, tile.counts);
   else

@@ -17,7 +17,7 @@ inline constexpr std::size_t kTilePostCount = std::size_t{kTilePosts} * kTilePos
 void encode_tile(std::span<const std::int32_t> counts, std::span<const std::uint8_t> valid,
                  std::vector<std::byte>& raw);
 
-/// Throws: kCorrupt when `raw` is no tile.
+/// Throws: Corrupt when `raw` is no tile.
 void decode_tile(std::span<const std::byte> raw, HeightTile& tile);
 
 }  // namespace arete::store

@@ -75,7 +75,7 @@ void store_level_row(const PyramidShape& shape, TileId id, const TileReader& fin
     fine.load(
         shape, level - 1,
         {x0 * kSpan, row0, std::min(x1 * kSpan + 1, col_end), std::min(row0 + kSpan + 1, row_end)},
-        BeyondGrid::kRepeat, finer);
+        BeyondGrid::Repeat, finer);
     for (int x = x0; x < x1; ++x) {
       id.x = static_cast<std::uint32_t>(x);
       if (!Subsampler(shape, id, fine, grid).take(tile)) continue;

@@ -24,7 +24,7 @@ TileRange tiles_over(const PyramidShape& shape, int level, const PostRect& r) {
 }
 
 PostRect bounds_of(const PyramidShape& shape, int level, BeyondGrid beyond) {
-  if (beyond == BeyondGrid::kDrop)
+  if (beyond == BeyondGrid::Drop)
     return {0, 0, PyramidShape::posts(shape.cols, level), PyramidShape::posts(shape.rows, level)};
   return {0, 0, shape.tiles_x(level) * kTileCells + 1, shape.tiles_y(level) * kTileCells + 1};
 }

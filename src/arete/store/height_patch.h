@@ -19,12 +19,12 @@ inline constexpr std::int32_t kAbsent = std::numeric_limits<std::int32_t>::min()
 using TileReader = std::function<const HeightTile*(TileId)>;
 
 /// What a patch holds for posts beyond the grid that tiles on its border repeat.
-enum class BeyondGrid { kRepeat, kDrop };
+enum class BeyondGrid { Repeat, Drop };
 
 /// A rectangle of posts of one level, gathered from tiles. Keeps its memory from load to load.
 class HeightPatch {
  public:
-  /// Posts in no stored tile, outside the pyramid, or (kDrop) beyond the grid are kAbsent and
+  /// Posts in no stored tile, outside the pyramid, or (Drop) beyond the grid are kAbsent and
   /// invalid. A border post that any stored tile holds is found. Throws: what `read` throws.
   void load(const PyramidShape& shape, int level, const PostRect& rect, BeyondGrid beyond,
             const TileReader& read);

@@ -37,7 +37,7 @@ class HeightRows : public HeightSource {
     HeightPatch patch;
     std::swap(patch, patch_);
     patch.load(shape_, 0, {0, first, manifest_.cols, std::min(first + kTilePosts, manifest_.rows)},
-               BeyondGrid::kDrop, read_);
+               BeyondGrid::Drop, read_);
     std::swap(patch, patch_);
   }
 

@@ -9,7 +9,7 @@
 
 namespace arete::store {
 
-/// Reads and decodes tiles of a heights segment. Throws: kCorrupt, kIo.
+/// Reads and decodes tiles of a heights segment. Throws: Corrupt, Io.
 TileReader tiles_of(const SegmentReader& heights);
 
 /// Stored heights by rows. Both arguments must outlive it.

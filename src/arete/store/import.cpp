@@ -165,7 +165,7 @@ std::size_t buffer_count(int cols, const BuildContext& context) {
   constexpr std::size_t kLeast = 2;
   const std::size_t fit = context.memory_limit / 2 / band_bytes(cols);
   if (fit < kLeast)
-    throw Error(ErrorCode::kLimit,
+    throw Error(ErrorCode::Limit,
                 fmt::format("import: {} columns need a memory limit of {} MiB: raise it", cols,
                             (2 * kLeast * band_bytes(cols) >> 20U) + 1));
   return std::clamp(static_cast<std::size_t>(std::max(context.threads, 1)) + 1, kLeast, fit);

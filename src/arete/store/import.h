@@ -11,7 +11,7 @@ namespace arete::store {
 /// All bands of a source, stored as units 0 .. tiles_y(0)-1 of `units`.
 /// One pass over the rows: the caller's thread reads, the others encode; finished units are not
 /// read again. False when a height did not fit the lattice: try again with a coarser one.
-/// Throws: kCancelled, kLimit when a band does not fit the memory limit, what the source throws.
+/// Throws: Cancelled, Limit when a band does not fit the memory limit, what the source throws.
 bool import_bands(HeightSource& source, const Lattice& lattice, int fill_cell_posts,
                   const UnitFolder& units, const BuildContext& context);
 

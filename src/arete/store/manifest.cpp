@@ -98,12 +98,12 @@ std::string to_text(const Manifest& manifest) {
 Manifest parse_manifest(std::string_view text, const std::string& file) {
   const std::size_t at = text.rfind(kHashLine);
   if (at == std::string_view::npos || text.substr(at) != hash_line(text.substr(0, at)))
-    throw Error(ErrorCode::kCorrupt, file + ": damaged or not a manifest: rebuild the store");
+    throw Error(ErrorCode::Corrupt, file + ": damaged or not a manifest: rebuild the store");
   try {
     const Json json = Json::parse(text);
     const int version = json.at("format_version").get<int>();
     if (version != kFormatVersion)
-      throw Error(ErrorCode::kUnsupported,
+      throw Error(ErrorCode::Unsupported,
                   fmt::format("{}: format version {}, this build reads {}: use another arete", file,
                               version, kFormatVersion));
     Manifest manifest = from_json(json);
@@ -111,7 +111,7 @@ Manifest parse_manifest(std::string_view text, const std::string& file) {
   } catch (const nlohmann::json::exception&) {
     // Told below: a manifest with a good hash and bad fields was written by something else.
   }
-  throw Error(ErrorCode::kCorrupt, file + ": fields are missing or wrong: rebuild the store");
+  throw Error(ErrorCode::Corrupt, file + ": fields are missing or wrong: rebuild the store");
 }
 
 std::string manifest_id(const Manifest& m) {

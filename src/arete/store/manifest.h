@@ -14,7 +14,7 @@ inline constexpr int kMaxSide = 1 << 24;
 
 /// JSON whose last line is the hash of everything above it. Fills in nothing: set id first.
 std::string to_text(const Manifest& manifest);
-/// Throws: kCorrupt, kUnsupported, naming `file`.
+/// Throws: Corrupt, Unsupported, naming `file`.
 Manifest parse_manifest(std::string_view text, const std::string& file);
 
 /// Hash of grid, place, lattice and segments: equal ids mean equal terrains.

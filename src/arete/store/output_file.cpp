@@ -18,8 +18,8 @@ namespace {
   const char* remedy = reason == ENOSPC || reason == EDQUOT || reason == EFBIG
                            ? ": free disk space or choose another output"
                            : "";
-  throw Error(ErrorCode::kIo, fmt::format("{}: cannot {}: {}{}", path.string(), what,
-                                          std::strerror(reason), remedy));
+  throw Error(ErrorCode::Io, fmt::format("{}: cannot {}: {}{}", path.string(), what,
+                                         std::strerror(reason), remedy));
 }
 
 int open_or_fail(const std::filesystem::path& path, int flags) {

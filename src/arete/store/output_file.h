@@ -8,7 +8,7 @@
 namespace arete::store {
 
 /// A new file beside its final place. Dropped without publish() it is unlinked.
-/// Every failure throws kIo with the system's reason; "disk full" says what to do.
+/// Every failure throws Io with the system's reason; "disk full" says what to do.
 class OutputFile {
  public:
   /// Creates `path` + ".tmp"; one left over by a killed build is replaced.
@@ -33,11 +33,11 @@ class OutputFile {
 };
 
 /// fsync of a file or of a directory's entries. A failure is final: it is never tried again.
-/// Throws: kIo.
+/// Throws: Io.
 void sync_file(const std::filesystem::path& file);
 void sync_directory(const std::filesystem::path& directory);
 
-/// temp + write + fsync + rename + fsync of the directory. Throws: kIo.
+/// temp + write + fsync + rename + fsync of the directory. Throws: Io.
 void write_file_durably(const std::filesystem::path& path, std::span<const std::byte> bytes);
 
 }  // namespace arete::store

@@ -50,7 +50,7 @@ PartDirectory::PartDirectory(const fs::path& output, const std::string& key) : p
     fs::create_directories(store());
   } catch (const fs::filesystem_error& e) {
     ::close(lock_fd_);
-    throw Error(ErrorCode::kIo,
+    throw Error(ErrorCode::Io,
                 fmt::format("{}: cannot prepare: {}", path_.string(), e.code().message()));
   }
 }
@@ -69,11 +69,11 @@ void PartDirectory::lock() {
     const int fd = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (fd < 0 && errno == ENOENT && !error) continue;
     if (fd < 0)
-      throw Error(ErrorCode::kIo,
+      throw Error(ErrorCode::Io,
                   fmt::format("{}: cannot create: {}", path_.string(), std::strerror(errno)));
     if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
       ::close(fd);
-      throw Error(ErrorCode::kIo,
+      throw Error(ErrorCode::Io,
                   fmt::format("{}: another build is running: wait for it", path_.string()));
     }
     if (same_file(fd, file)) {

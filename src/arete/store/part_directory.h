@@ -12,7 +12,7 @@ namespace arete::store {
 ///   store/   the store to be, published by one rename
 class PartDirectory {
  public:
-  /// Creates or takes over the directory. Throws: kIo, also when another build holds it.
+  /// Creates or takes over the directory. Throws: Io, also when another build holds it.
   PartDirectory(const std::filesystem::path& output, const std::string& key);
   /// Gives the lock back; the directory stays.
   ~PartDirectory();

@@ -21,7 +21,7 @@ bool exchange(const fs::path& a, const fs::path& b) {
 
 void rename_or_fail(const fs::path& from, const fs::path& to) {
   if (::rename(from.c_str(), to.c_str()) != 0)
-    throw Error(ErrorCode::kIo,
+    throw Error(ErrorCode::Io,
                 fmt::format("{}: cannot publish: {}", to.string(), std::strerror(errno)));
 }
 

@@ -69,7 +69,7 @@ void store_level1(const RasterRecipe& recipe, const PyramidShape& shape, TileId 
   patch.load(shape, 0,
              {static_cast<int>(row.x) * kSpan - recipe.apron, row0 - recipe.apron,
               static_cast<int>(x1) * kSpan + recipe.apron, row0 + kSpan + recipe.apron},
-             BeyondGrid::kDrop, heights);
+             BeyondGrid::Drop, heights);
   const auto row_bytes = static_cast<std::size_t>(kSpan * recipe.shape.channels);
   std::vector<std::uint8_t> pair(2 * row_bytes);
   Texels texels = filled_tile(recipe.shape);

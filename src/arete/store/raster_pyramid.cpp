@@ -76,7 +76,7 @@ std::unique_ptr<RasterSource> open_raster(const SegmentReader& segment,
                                           std::atomic<std::uint64_t>* damaged) {
   const auto shape = parse_raster_params(segment.params());
   if (!shape)
-    throw Error(ErrorCode::kCorrupt,
+    throw Error(ErrorCode::Corrupt,
                 fmt::format("segment {}: holds no raster pyramid", segment.name()));
   return std::make_unique<StoredRaster>(segment, *shape, damaged);
 }

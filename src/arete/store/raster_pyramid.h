@@ -20,7 +20,7 @@ std::string raster_params(const RasterShape& shape, const std::string& heading);
 std::optional<RasterShape> parse_raster_params(const std::string& params);
 
 /// The pyramid in a segment. A block that fails adds 1 to *damaged. Both must outlive it.
-/// Throws: kCorrupt when the segment is no pyramid.
+/// Throws: Corrupt when the segment is no pyramid.
 std::unique_ptr<RasterSource> open_raster(const SegmentReader& segment,
                                           std::atomic<std::uint64_t>* damaged);
 

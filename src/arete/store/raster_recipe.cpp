@@ -31,7 +31,7 @@ void make_level0(const RasterRecipe& recipe, const PyramidShape& shape, TileId i
   patch.load(shape, 0,
              {corner.col - recipe.apron, corner.row - recipe.apron,
               corner.col + cols + recipe.apron, corner.row + rows + recipe.apron},
-             BeyondGrid::kDrop, read);
+             BeyondGrid::Drop, read);
   for (int r = 0; r < rows; ++r)
     recipe.make_texels(patch, {corner.col, corner.row + r}, cols,
                        &texels.bytes[static_cast<std::size_t>(r * kTexelTile) *

@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint64_t kCheckPages = 256;
 
 [[noreturn]] void fail_corrupt(const std::string& label, const std::string& what) {
-  throw Error(ErrorCode::kCorrupt, fmt::format("{}: {}: rebuild the store", label, what));
+  throw Error(ErrorCode::Corrupt, fmt::format("{}: {}: rebuild the store", label, what));
 }
 
 Page read_page(const File& file, std::uint64_t offset) {
@@ -89,7 +89,7 @@ std::size_t SegmentReader::read(std::uint64_t key, std::vector<std::byte>& raw) 
   verify_pages(begin / kPageBytes, pages);
   raw.resize(e.raw_bytes);
   const auto stored = std::span(pages).subspan(e.offset - begin, e.stored_bytes);
-  if (!decompress_block(stored, raw) || (verify_ == Verify::kPages && hash64(raw) != e.raw_hash))
+  if (!decompress_block(stored, raw) || (verify_ == Verify::Pages && hash64(raw) != e.raw_hash))
     fail_corrupt(label_, fmt::format("block {:#x} does not decode", key));
   return std::max<std::size_t>(pages.size(), 1);
 }
@@ -121,7 +121,7 @@ std::vector<std::byte> SegmentReader::read_verified(std::uint64_t offset,
 }
 
 void SegmentReader::verify_pages(std::uint64_t first_page, std::span<const std::byte> pages) const {
-  if (verify_ == Verify::kNothing) return;
+  if (verify_ == Verify::Nothing) return;
   for (std::size_t i = 0; i * kPageBytes < pages.size(); ++i) {
     const std::uint64_t page = first_page + i;
     if (hash64(pages.subspan(i * kPageBytes, kPageBytes), page) != page_table_[page])

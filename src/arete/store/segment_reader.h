@@ -12,17 +12,17 @@
 
 namespace arete::store {
 
-/// kPages hashes every page that a block lies on before it is decoded, and the decoded bytes.
-/// kNothing is the negative control of the damage tests: no hash is looked at.
-enum class Verify { kPages, kNothing };
+/// Pages hashes every page that a block lies on before it is decoded, and the decoded bytes.
+/// Nothing is the negative control of the damage tests: no hash is looked at.
+enum class Verify { Pages, Nothing };
 
 /// One opened segment file. Thread contract: safe from several threads at once.
 /// Memory: 40 bytes a block and 8 bytes a page.
 class SegmentReader {
  public:
   /// Checks header, footer, page table, params and directory. `label` names the file in errors.
-  /// Throws: kCorrupt, kUnsupported, kIo.
-  SegmentReader(std::unique_ptr<File> file, std::string label, Verify verify = Verify::kPages);
+  /// Throws: Corrupt, Unsupported, Io.
+  SegmentReader(std::unique_ptr<File> file, std::string label, Verify verify = Verify::Pages);
 
   const std::string& name() const { return header_.name; }
   const std::string& params() const { return params_; }
@@ -32,14 +32,14 @@ class SegmentReader {
   bool contains(std::uint64_t key) const;
 
   /// Reads a block into `raw`. Returns the bytes read from the file; 0 when there is no such block.
-  /// Throws: kCorrupt, kIo.
+  /// Throws: Corrupt, Io.
   std::size_t read(std::uint64_t key, std::vector<std::byte>& raw) const;
 
   std::uint64_t page_count() const { return header_.file_bytes / kPageBytes; }
   /// Verifies pages [first, first + count) of those before the page table; the others were
-  /// verified at open. Throws: kCorrupt, kIo.
+  /// verified at open. Throws: Corrupt, Io.
   void check_pages(std::uint64_t first, std::uint64_t count) const;
-  /// Verifies every page. Throws: kCorrupt, kIo.
+  /// Verifies every page. Throws: Corrupt, Io.
   void check_all(const std::function<void(std::uint64_t pages_done)>& progress = {}) const;
 
  private:

@@ -17,12 +17,12 @@ namespace arete::store {
 class SegmentWriter {
  public:
   /// Lays the file out and reserves its space; offsets in `entries` are ignored.
-  /// Requires: keys ascend. Throws: kIo.
+  /// Requires: keys ascend. Throws: Io.
   SegmentWriter(const std::filesystem::path& path, std::string name, std::string params,
                 std::vector<BlockEntry> entries);
-  /// The next block's stored bytes, in the order of the entries. Throws: kIo.
+  /// The next block's stored bytes, in the order of the entries. Throws: Io.
   void append(std::span<const std::byte> stored);
-  /// Writes params, directory, page table and footer. Throws: kIo.
+  /// Writes params, directory, page table and footer. Throws: Io.
   SegmentRecord finish();
 
  private:

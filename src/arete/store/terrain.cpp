@@ -23,7 +23,7 @@ constexpr std::uint64_t kMaxManifestBytes = std::uint64_t{16} << 20U;
 
 std::string read_text(const File& file, const std::string& name) {
   if (file.size() > kMaxManifestBytes)
-    throw Error(ErrorCode::kCorrupt, name + ": too large for a manifest: rebuild the store");
+    throw Error(ErrorCode::Corrupt, name + ": too large for a manifest: rebuild the store");
   std::string text(file.size(), '\0');
   file.read_at(0, std::as_writable_bytes(std::span(text)));
   return text;
@@ -45,7 +45,7 @@ class DerivedRaster : public RasterSource {
     if (id.level > 0) return stored_->read(id);
     std::shared_ptr<const HeightTile> held;
     const TileReader read = [&](TileId tile) {
-      held = terrain_.heights(tile, Fetch::kWait);
+      held = terrain_.heights(tile, Fetch::Wait);
       return held.get();
     };
     Texels texels = filled_tile(recipe_.shape);
@@ -70,7 +70,7 @@ Terrain::Impl::Impl(std::filesystem::path path, OpenOptions open_options)
   levels = shape.levels();
   for (const SegmentRecord& record : manifest.segments) add_segment(record);
   if (heights_segment < 0)
-    throw Error(ErrorCode::kCorrupt, store.string() + ": has no heights: rebuild the store");
+    throw Error(ErrorCode::Corrupt, store.string() + ": has no heights: rebuild the store");
   if (options.prefetch)
     prefetcher = std::make_unique<Prefetcher>([this](const BlockName& name) {
       if (!cache.contains(name) && !known_damaged(name)) load(name);
@@ -85,7 +85,7 @@ void Terrain::Impl::add_segment(const SegmentRecord& record) {
   const std::filesystem::path file = store / (record.name + ".seg");
   auto reader = std::make_unique<SegmentReader>(open(file), file.string());
   if (reader->name() != record.name || reader->id() != record.id)
-    throw Error(ErrorCode::kCorrupt,
+    throw Error(ErrorCode::Corrupt,
                 file.string() + ": not the segment that the manifest names: rebuild the store");
   segments.push_back(std::move(reader));
   if (record.name == kHeights) heights_segment = static_cast<int>(segments.size()) - 1;
@@ -101,7 +101,7 @@ const SegmentReader& Terrain::Impl::segment(std::string_view name) const {
   const int i = find_segment(name);
   if (i < 0)
     throw Error(
-        ErrorCode::kNotFound,
+        ErrorCode::NotFound,
         fmt::format("{}: has no segment \"{}\": build it with that method", store.string(), name));
   return *segments[static_cast<std::size_t>(i)];
 }
@@ -112,7 +112,7 @@ std::shared_ptr<const void> Terrain::Impl::fetch(const BlockName& name, Fetch ho
     return block;
   }
   if (!segments[name.segment]->contains(name.key) || known_damaged(name)) return nullptr;
-  if (how == Fetch::kWait) {
+  if (how == Fetch::Wait) {
     ++misses;
     return load(name);
   }

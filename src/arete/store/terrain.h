@@ -60,14 +60,14 @@ struct Manifest {
 struct CacheStats {
   std::uint64_t resident_bytes = 0, resident_bytes_max = 0;
   std::uint64_t hits = 0, misses = 0;
-  std::uint64_t late = 0;        ///< kResident requests that were not there
+  std::uint64_t late = 0;        ///< Resident requests that were not there
   std::uint64_t bytes_read = 0;  ///< from files
   std::uint64_t damaged = 0;     ///< blocks that failed verification
 };
 
-/// kWait reads and verifies on the caller's thread; kResident returns only what is in memory and
+/// Wait reads and verifies on the caller's thread; Resident returns only what is in memory and
 /// asks the prefetch thread for the rest.
-enum class Fetch { kWait, kResident };
+enum class Fetch { Wait, Resident };
 
 struct OpenOptions {
   std::size_t cache_bytes = std::size_t{512} << 20U;  ///< hard cap on decoded blocks held
@@ -81,7 +81,7 @@ struct OpenOptions {
 class Terrain {
  public:
   /// Checks the manifest, every segment's header, directory and footer.
-  /// Throws: kNotFound, kCorrupt, kUnsupported, each naming file, cause and remedy.
+  /// Throws: NotFound, Corrupt, Unsupported, each naming file, cause and remedy.
   static std::unique_ptr<Terrain> open(const std::filesystem::path& store,
                                        OpenOptions options = {});
   ~Terrain();
@@ -95,23 +95,23 @@ class Terrain {
   int tiles_x(int level) const;
   int tiles_y(int level) const;
 
-  /// A height tile; null when it is missing, damaged or (kResident) not yet here. A tile outside
+  /// A height tile; null when it is missing, damaged or (Resident) not yet here. A tile outside
   /// the pyramid is null. Not stored are level-0 tiles without a drawable cell and coarser ones
   /// without a valid post. Throws: nothing.
   std::shared_ptr<const HeightTile> heights(TileId id, Fetch fetch) const;
   double z_of(std::int32_t count) const;
 
   bool has_segment(std::string_view name) const;
-  /// The parameter string that the segment was written with. Throws: kNotFound.
+  /// The parameter string that the segment was written with. Throws: NotFound.
   std::string segment_params(std::string_view name) const;
-  /// Keys of a segment, ascending. Throws: kNotFound.
+  /// Keys of a segment, ascending. Throws: NotFound.
   std::span<const std::uint64_t> keys(std::string_view name) const;
   /// The decoded bytes of a block, through the cache. Null when absent or damaged. Throws: nothing.
   std::shared_ptr<const std::vector<std::byte>> block(std::string_view segment, std::uint64_t key,
                                                       Fetch fetch) const;
 
   /// Fresh rows of the stored heights, decoded anew without the cache; NaN = no data. Lives as long
-  /// as the Terrain. Its read_row throws kCorrupt where a tile is damaged.
+  /// as the Terrain. Its read_row throws Corrupt where a tile is damaged.
   std::unique_ptr<HeightSource> height_source() const;
   /// The pyramid "normals", "mask" or "drape"; null when the store has none. Level 0 of normals and
   /// mask is made from the heights when read. Lives as long as the Terrain.
@@ -123,7 +123,7 @@ class Terrain {
   CacheStats cache_stats() const;
 
   /// Reads and verifies every page of every segment. Returns the number of pages.
-  /// Throws: kCorrupt at the first bad page, naming segment and page.
+  /// Throws: Corrupt at the first bad page, naming segment and page.
   std::uint64_t check_all(const std::function<void(double done)>& progress = {}) const;
 
  private:

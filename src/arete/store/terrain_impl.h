@@ -21,13 +21,13 @@ struct Terrain::Impl {
 
   /// Opens the segment's file and adds it; from then on it stands for an older one of its name,
   /// whose cached blocks are of no more use. Not while other threads use the terrain.
-  /// Throws: kCorrupt when it is not the recorded segment.
+  /// Throws: Corrupt when it is not the recorded segment.
   void add_segment(const SegmentRecord& record);
   /// Index into `segments`, or -1.
   int find_segment(std::string_view name) const;
-  const SegmentReader& segment(std::string_view name) const;  ///< Throws: kNotFound
+  const SegmentReader& segment(std::string_view name) const;  ///< Throws: NotFound
 
-  /// The cached block, else (kWait) reads it. Null: absent, damaged, or not here under kResident.
+  /// The cached block, else (Wait) reads it. Null: absent, damaged, or not here under Resident.
   std::shared_ptr<const void> fetch(const BlockName& name, Fetch how);
   /// Reads, verifies, decodes and caches. Null when absent or damaged. Throws nothing.
   std::shared_ptr<const void> load(const BlockName& name);

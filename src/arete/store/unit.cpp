@@ -84,7 +84,7 @@ bool UnitReader::read_index(std::uint64_t unit_key, Trust trust) {
   Trailer t;
   trailer_fields(reader, t);
   if (t.unit_key != unit_key) return false;
-  if (trust == Trust::kVerify && t.hash != hash_of_file(size - sizeof t.hash)) return false;
+  if (trust == Trust::Verify && t.hash != hash_of_file(size - sizeof t.hash)) return false;
   const std::uint64_t index_bytes = t.block_count * kEntryBytes;
   std::vector<std::byte> index(index_bytes);
   file_->read_at(size - kTrailerBytes - index_bytes, index);
@@ -113,7 +113,7 @@ bool UnitReader::read(std::uint64_t key, std::vector<std::byte>& raw) const {
   read_stored(static_cast<std::size_t>(found - entries_.begin()), stored);
   raw.resize(found->raw_bytes);
   if (!decompress_block(stored, raw) || hash64(raw) != found->raw_hash)
-    throw Error(ErrorCode::kCorrupt, "part directory: a finished unit changed: build again");
+    throw Error(ErrorCode::Corrupt, "part directory: a finished unit changed: build again");
   return true;
 }
 
@@ -126,14 +126,13 @@ UnitFolder::UnitFolder(std::filesystem::path folder, std::string name, const std
     : folder_(std::move(folder)), name_(std::move(name)), content_hash_(hash64(content)) {}
 
 bool UnitFolder::is_finished(int unit) const {
-  return UnitReader::open(path(unit), key(unit), UnitReader::Trust::kVerify) != nullptr;
+  return UnitReader::open(path(unit), key(unit), UnitReader::Trust::Verify) != nullptr;
 }
 
 std::unique_ptr<UnitReader> UnitFolder::open(int unit) const {
-  auto reader = UnitReader::open(path(unit), key(unit), UnitReader::Trust::kThisRun);
+  auto reader = UnitReader::open(path(unit), key(unit), UnitReader::Trust::ThisRun);
   if (!reader)
-    throw Error(ErrorCode::kCorrupt,
-                path(unit).string() + ": a finished unit changed: build again");
+    throw Error(ErrorCode::Corrupt, path(unit).string() + ": a finished unit changed: build again");
   return reader;
 }
 

@@ -24,7 +24,7 @@ class UnitWriter : public BlockSink {
   UnitWriter(const std::filesystem::path& file, std::uint64_t unit_key);
   void add(std::uint64_t key, std::span<const std::byte> raw) override;
   void set_aux(std::vector<std::byte> aux) { aux_ = std::move(aux); }
-  /// The unit stands under its name after this. Throws: kIo.
+  /// The unit stands under its name after this. Throws: Io.
   void finish();
 
  private:
@@ -42,15 +42,15 @@ class UnitWriter : public BlockSink {
 class UnitReader {
  public:
   enum class Trust {
-    kVerify,   ///< hash the whole file: it may come from a killed build
-    kThisRun,  ///< check the trailer only: this build made or verified it
+    Verify,   ///< hash the whole file: it may come from a killed build
+    ThisRun,  ///< check the trailer only: this build made or verified it
   };
-  /// Null when the file is absent, of another key or (kVerify) not whole.
+  /// Null when the file is absent, of another key or (Verify) not whole.
   static std::unique_ptr<UnitReader> open(const std::filesystem::path& file, std::uint64_t unit_key,
                                           Trust trust);
   std::span<const BlockEntry> entries() const { return entries_; }
   std::span<const std::byte> aux() const { return aux_; }
-  /// False when there is no such block. Throws: kCorrupt, kIo.
+  /// False when there is no such block. Throws: Corrupt, Io.
   bool read(std::uint64_t key, std::vector<std::byte>& raw) const;
   /// Stored bytes of entry i.
   void read_stored(std::size_t i, std::vector<std::byte>& stored) const;
@@ -72,7 +72,7 @@ class UnitFolder {
   UnitFolder(std::filesystem::path folder, std::string name, const std::string& content);
   /// True when the unit is there and its hash is right.
   bool is_finished(int unit) const;
-  /// A unit that this build made or found finished. Throws: kCorrupt when it is not there.
+  /// A unit that this build made or found finished. Throws: Corrupt when it is not there.
   std::unique_ptr<UnitReader> open(int unit) const;
   /// Makes the unit unless it is finished.
   void make(int unit, const std::function<void(UnitWriter&)>& fill) const;

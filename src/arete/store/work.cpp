@@ -21,7 +21,7 @@ void StepProgress::add_one() {
 void StepProgress::report() const {
   const double share = total_ > 0 ? static_cast<double>(done_) / total_ : 1;
   if (context_.progress && !context_.progress(step_, share))
-    throw Error(ErrorCode::kCancelled, "build: cancelled: run it again to go on");
+    throw Error(ErrorCode::Cancelled, "build: cancelled: run it again to go on");
 }
 
 int threads_within(const BuildContext& context, std::size_t bytes_each) {

@@ -10,12 +10,12 @@
 
 namespace arete::store {
 
-/// Reports a step's progress and turns the caller's "no" into kCancelled.
+/// Reports a step's progress and turns the caller's "no" into Cancelled.
 /// Thread contract: add() from any thread; the callback is called on the constructing thread only.
 class StepProgress {
  public:
   StepProgress(const BuildContext& context, std::string step, int total);
-  /// One more of `total` is done. Throws: kCancelled.
+  /// One more of `total` is done. Throws: Cancelled.
   void add_one();
 
  private:
@@ -28,7 +28,7 @@ class StepProgress {
 };
 
 /// Calls body(i) for i in [0, count) in parallel with progress; as many threads as the context
-/// has and as fit half its memory limit with `bytes_each`. Throws: kCancelled, what body throws.
+/// has and as fit half its memory limit with `bytes_each`. Throws: Cancelled, what body throws.
 void for_each_unit(const BuildContext& context, const std::string& step, int count,
                    std::size_t bytes_each, const std::function<void(int)>& body);
 

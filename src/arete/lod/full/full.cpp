@@ -9,7 +9,7 @@ namespace {
 class FullEngine final : public Engine {
  public:
   FullEngine(const store::Terrain& terrain, int log2_cells, std::size_t budget)
-      : drawer_(terrain, log2_cells, Topology::kTriangles, budget) {}
+      : drawer_(terrain, log2_cells, Topology::Triangles, budget) {}
 
   void refine(const View& view, const RefineOptions& options, DrawList& out) override {
     out.clear();

@@ -27,8 +27,8 @@ class GeomipmapEngine final : public Engine {
   }
 
   Claims claims(const RefineOptions& options) const override {
-    // An angle is not a distance in the image: under kAngular the bound holds on a sphere only.
-    const bool in_pixels = options.scale != ErrorScale::kAngular;
+    // An angle is not a distance in the image: under Angular the bound holds on a sphere only.
+    const bool in_pixels = options.scale != ErrorScale::Angular;
     // 2 tau kappa / (kappa - 1) |dP| / D  [METHODS 7.8(9)]
     const double motion = 2 * options.tolerance_px * LevelField::kKappa / (LevelField::kKappa - 1);
     return {true, in_pixels ? options.tolerance_px : std::numeric_limits<double>::infinity(),
@@ -47,9 +47,9 @@ class GeomipmapEngine final : public Engine {
 };
 
 Topology parse_topology(std::string_view text) {
-  if (text == "list") return Topology::kTriangles;
-  if (text == "strip") return Topology::kStrip;
-  throw Error(ErrorCode::kUsage, fmt::format("topology={}: unknown: use list or strip", text));
+  if (text == "list") return Topology::Triangles;
+  if (text == "strip") return Topology::Strip;
+  throw Error(ErrorCode::Usage, fmt::format("topology={}: unknown: use list or strip", text));
 }
 
 }  // namespace
