@@ -56,6 +56,7 @@ Json json_of(const BenchFlags& flags, const BenchRun& r) {
           {"options", options_json(flags, r.method)},
           {"frames", r.frames},
           {"mean_triangles", r.mean_triangles},
+          {"mean_full_triangles", r.mean_full_triangles},
           {"refine_ms", times_json(r.refine_ms)},
           {"draw_ms", times_json(r.draw_ms)},
           {"frame_ms", times_json(r.frame_ms)},

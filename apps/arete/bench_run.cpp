@@ -44,6 +44,7 @@ struct Canvas {
 
 void add_stats(const RefineStats& stats, BenchRun& run) {
   run.mean_triangles += static_cast<double>(stats.triangles) / run.frames;
+  run.mean_full_triangles += static_cast<double>(stats.full_triangles) / run.frames;
   run.triangles.push_back(static_cast<double>(stats.triangles));
   run.evaluated_vertices += stats.evaluated_vertices;
   run.visited_nodes += stats.visited_nodes;

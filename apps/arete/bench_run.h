@@ -15,6 +15,7 @@ struct BenchRun {
   std::string method;
   int frames = 0;
   double mean_triangles = 0;
+  double mean_full_triangles = 0;                    ///< of full resolution in the same places
   std::vector<double> triangles;                     ///< one a frame
   std::vector<double> refine_ms, draw_ms, frame_ms;  ///< one a frame; draw_ms empty when skipped
   std::uint64_t evaluated_vertices = 0, visited_nodes = 0, late_blocks = 0;
