@@ -266,8 +266,8 @@ std::vector<std::string> describe(const Tally& tally) {
     if (tally.spelt[k] == 0) continue;
     notes.push_back(fmt::format(
         "{} of {} posts read hold {}, often meant as no data but not declared so: kept as heights; "
-        "name it as nodata if it is none.",
-        tally.spelt[k], tally.posts, kSuspects[k]));
+        "with --nodata {} they are none.",
+        tally.spelt[k], tally.posts, kSuspects[k], kSuspects[k]));
   }
   return notes;
 }
