@@ -44,6 +44,35 @@ TEST(ScreenError, AngularIsCaughtAsNoBound) {
   EXPECT_GT(worst_share(ErrorScale::Angular), 1.2);
 }
 
+// The worst place there is: an image corner while looking straight down.
+double share_at_corners(double tau, double slope_factor) {
+  double worst = 0;
+  for (const double pitch : {-1.5707963, -1.2, -0.8, 0.0}) {
+    const View v = make_view({.pitch = pitch}, 1280, 720);
+    for (const double x : {-1.0, 1.0}) {
+      for (const double y : {-1.0, 1.0}) {
+        const double depth = 100;
+        const glm::dvec3 p =
+            glm::inverse(v.clip_from_world) * glm::dvec4(x * depth, y * depth, v.near_m, depth);
+        for (const double sign : {-1.0, 1.0}) {
+          const double delta = sign * slope_factor * ScreenError(v, tau).allowed_m(glm::length(p));
+          const glm::dvec3 a = project(v, p);
+          const glm::dvec3 b = project(v, p + glm::dvec3(0, 0, delta));
+          worst = std::max(worst, std::hypot(a.x - b.x, a.y - b.y) / tau);
+        }
+      }
+    }
+  }
+  return worst;
+}
+
+TEST(ScreenError, UprightHoldsInTheCornersLookingDown) {
+  for (const double tau : {1.0, 2.0, 8.0, 60.0}) {
+    EXPECT_LE(share_at_corners(tau, 1), 1 + 1e-9);
+    EXPECT_GT(share_at_corners(tau, 1.001), 1);  // the control: it is attained there
+  }
+}
+
 TEST(ScreenError, PixelsInvertsAllowed) {
   const View v = make_view({}, 800, 600);
   const ScreenError e(v, 2);

@@ -1,11 +1,8 @@
 #include "arete/lod/geomipmap/geomipmap.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <cstdlib>
 #include <map>
-#include <new>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -15,23 +12,6 @@
 #include "arete/mesh/surface.h"
 
 #include "lod/built_terrain.h"
-
-namespace {
-std::atomic<std::uint64_t> allocations{0};
-}
-
-// Counts every allocation of this test program: refine must make none once warm.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size)) return p;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* p) noexcept {
-  std::free(p);
-}
-[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept {
-  std::free(p);
-}
 
 namespace arete::lod {
 namespace {
@@ -50,17 +30,6 @@ class Geomipmap : public testing::Test {
   BuiltTerrain terrain_{rough_dem(257, 193, 1, 0.1), {{"patch", "17"}}};
   std::unique_ptr<store::Terrain> opened_ = terrain_.open();
 };
-
-TEST_F(Geomipmap, RefineAllocatesNothingOnceWarm) {
-  const auto engine = geomipmap::open(*opened_, {{"patch", "17"}});
-  DrawList list;
-  for (int k = 0; k < 200; ++k) engine->refine(view_at(k / 200.0), {}, list);
-  const std::uint64_t before = allocations;
-  for (int k = 0; k < 200; ++k) engine->refine(view_at(k / 200.0), {}, list);
-  EXPECT_EQ(allocations - before, 0U);
-  ::operator delete(::operator new(1));  // the control: the counter counts
-  EXPECT_EQ(allocations - before, 1U);
-}
 
 TEST_F(Geomipmap, FieldKeepsItsConstraints) {
   const PatchTable table(*opened_, 4);

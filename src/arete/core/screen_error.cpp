@@ -20,16 +20,29 @@ double pixel_scale(const View& v, ErrorScale scale) {
   return std::min(rigorous, f * std::sqrt(1 + rho2) * std::hypot(c + ty * s, tx * s));
 }
 
-ScreenError::ScreenError(const View& view, double tolerance_px, ErrorScale scale)
-    : scale_(scale), alpha_(pixel_scale(view, scale)) {
-  slope_ = tolerance_px / (scale == ErrorScale::Angular ? alpha_ : alpha_ + tolerance_px);
+namespace {
+
+// s of ScreenError: Z = D / sqrt(1 + rho^2) and the displaced Z' >= Z - |sin pitch| delta, so
+// f sqrt(1 + rho^2) N delta / (sqrt(1 + rho^2) Z') <= alpha delta / (D - s delta).
+double approach(const View& v, ErrorScale scale) {
+  if (scale == ErrorScale::Angular) return 0;
+  const double ty = std::tan(v.fovy / 2);
+  const double tx = ty * v.viewport_width / v.viewport_height;
+  const double widest = std::sqrt(1 + tx * tx + ty * ty);
+  return scale == ErrorScale::Upright ? widest * std::abs(std::sin(v.pitch)) : widest;
 }
+
+}  // namespace
+
+ScreenError::ScreenError(const View& view, double tolerance_px, ErrorScale scale)
+    : alpha_(pixel_scale(view, scale)),
+      approach_(approach(view, scale)),
+      slope_(tolerance_px / (alpha_ + approach_ * tolerance_px)) {}
 
 double ScreenError::pixels(double delta_m, double distance_m) const {
   if (delta_m <= 0) return 0;
-  if (scale_ == ErrorScale::Angular) return alpha_ * delta_m / distance_m;
-  if (delta_m >= distance_m) return std::numeric_limits<double>::infinity();
-  return alpha_ * delta_m / (distance_m - delta_m);
+  const double nearest = distance_m - approach_ * delta_m;
+  return nearest > 0 ? alpha_ * delta_m / nearest : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace arete

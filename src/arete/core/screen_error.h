@@ -13,24 +13,27 @@ enum class ErrorScale {
 };
 
 /// The only code that turns metres into pixels.
-/// A displacement of delta at distance D moves its image by at most alpha delta / (D - delta) px;
-/// under Angular by alpha delta / D (an angle).
+/// A displacement of delta at distance D moves its image by at most alpha delta / (D - s delta) px,
+/// where s delta bounds how much nearer it may bring the point along the view axis, in units of D /
+/// Z: s = sqrt(1 + tx^2 + ty^2) |sin pitch| for vertical displacements, without the sine for any.
+/// Under Angular s = 0 (an angle). The drawn point may lie outside the viewport. METHODS 1.3 has D
+/// - delta, which is no bound when looking down with s > 1.
 class ScreenError {
  public:
   ScreenError(const View& view, double tolerance_px, ErrorScale scale = ErrorScale::Upright);
 
   double alpha() const { return alpha_; }
   /// The largest vertical error in metres that stays within the tolerance at distance D:
-  /// tau D / (alpha + tau), solved from alpha delta / (D - delta) = tau; tau D / alpha if angular.
+  /// tau D / (alpha + s tau), solved from alpha delta / (D - s delta) = tau.
   double allowed_m(double distance_m) const { return slope_ * distance_m; }
   /// allowed_m(1): metres per metre of distance.
   double slope() const { return slope_; }
-  /// The bound in pixels for an error of delta_m at distance D; infinite when delta_m >= D.
+  /// The bound in pixels for an error of delta_m at distance D; infinite when s delta_m >= D.
   double pixels(double delta_m, double distance_m) const;
 
  private:
-  ErrorScale scale_;
   double alpha_;
+  double approach_;  ///< s
   double slope_;
 };
 

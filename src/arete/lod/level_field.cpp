@@ -40,12 +40,15 @@ LevelField::LevelField(const PatchTable& table, double quantum_m)
   const auto n = static_cast<std::size_t>(table.size());
   hat_uniform_.resize(n * knots_);
   hat_side_.resize(n * kSides * knots_);
+  slack_.resize(n);
   distance_.resize(n);
   level_.resize(n);
   neighbours_.assign(n * kSides, -1);
   for (int p = 0; p < table.size(); ++p) {
     if (!table.drawable(p)) continue;
     const auto i = static_cast<std::size_t>(p);
+    // Two roundings, the height's and the morphed sum's, of half an ulp each.
+    slack_[i] = std::max(std::abs(table.box_min(p).z), std::abs(table.box_max(p).z)) * 0x1p-23;
     grow(table.uniform(p), knots_, quantum_m / 2, &hat_uniform_[i * knots_]);
     for (const Side q : kAllSides) {
       const std::size_t s = i * kSides + static_cast<std::size_t>(q);
@@ -62,7 +65,7 @@ void LevelField::solve(glm::dvec3 eye, const ScreenError& error) {
     const auto i = static_cast<std::size_t>(p);
     const glm::dvec3 nearest = glm::clamp(eye, table_.box_min(p), table_.box_max(p));
     distance_[i] = glm::length(eye - nearest);
-    level_[i] = inverse(&hat_uniform_[i * knots_], knots_, slope_ * distance_[i]);
+    level_[i] = inverse(&hat_uniform_[i * knots_], knots_, allowed(i));
   }
   // Every constraint is monotone, so relaxing in any order ends at the same field; sweeping along
   // and against the rows settles most of it in two.
@@ -91,7 +94,11 @@ void LevelField::solve_full(glm::dvec3 eye) {
 float LevelField::cap(int patch, Side q) const {
   const auto i = static_cast<std::size_t>(patch);
   return inverse(&hat_side_[(i * kSides + static_cast<std::size_t>(q)) * knots_], knots_,
-                 slope_ * distance_[i]);
+                 allowed(i));
+}
+
+double LevelField::allowed(std::size_t patch) const {
+  return std::max(0.0, slope_ * distance_[patch] - slack_[patch]);
 }
 
 // Constraint (1) between p and its neighbour n across p's side q, in both directions.
@@ -153,14 +160,16 @@ void LevelField::raise(std::span<const float> floor_level) {
 double LevelField::error(int patch) const {
   const auto i = static_cast<std::size_t>(patch);
   const float own = level_[i];
+  float coarsest = own;
   double worst = at_level(table_.uniform(patch), knots_, own);
   for (const Side q : kAllSides) {
     const int n = neighbours_[i * kSides + static_cast<std::size_t>(q)];
     if (n < 0 || level_[static_cast<std::size_t>(n)] <= own) continue;
+    coarsest = std::max(coarsest, level_[static_cast<std::size_t>(n)]);
     worst = std::max<double>(
         worst, at_level(table_.side(patch, q), knots_, level_[static_cast<std::size_t>(n)]));
   }
-  return worst;
+  return coarsest > 0 ? worst + slack_[i] : worst;  // level 0 is drawn as stored, to the bit
 }
 
 }  // namespace arete::lod

@@ -10,7 +10,8 @@ namespace arete::lod {
 
 /// The continuous level of every patch for one eye (METHODS S4, coupling made monotone).
 ///
-/// Patch P at distance D_P may err by a_P = slope D_P metres. Its own level is
+/// Patch P at distance D_P may err by a_P = slope D_P metres, less what rounding in float may add.
+/// Its own level is
 ///   lambda*_P = the piecewise-linear inverse of its uniform errors at a_P, in [0, w],
 /// and side q of P may stand no coarser than c_Pq = the same inverse of its side errors. The field
 /// is the greatest lambda <= lambda* with
@@ -49,6 +50,7 @@ class LevelField {
   void sweep_forward();
   void sweep_backward();
   float cap(int patch, Side q) const;
+  double allowed(std::size_t patch) const;
 
   const PatchTable& table_;
   std::size_t knots_;
@@ -56,6 +58,7 @@ class LevelField {
   int sweeps_ = 0;
   bool changed_ = false;
   std::vector<float> hat_uniform_, hat_side_;  ///< knots made to grow by kappa
+  std::vector<double> slack_;  ///< metres that a vertex stage in float may add while it morphs
   std::vector<double> distance_;
   std::vector<float> level_;
   std::vector<int> neighbours_;  ///< kSides a patch, -1 = none

@@ -198,8 +198,16 @@ void PatchBlocks::release_unused(std::size_t wanted_bytes) {
   }
 }
 
+// A small terrain's pyramid ends before level w - 1, and coarse tiles of sparse land may hold no
+// valid post: then every so many posts of a finer tile. Level 0 has every drawable patch.
 TileId PatchBlocks::tile_of(int patch, int level) const {
-  const int stored = std::min(level, terrain_.levels() - 1);
+  const std::span<const std::uint64_t> stored = terrain_.keys("heights");
+  int from = std::min(level, terrain_.levels() - 1);
+  while (from > 0 && !std::ranges::binary_search(stored, tile_at(patch, from).key())) --from;
+  return tile_at(patch, from);
+}
+
+TileId PatchBlocks::tile_at(int patch, int stored) const {
   const int cells = table_.cells() >> stored;
   return {static_cast<std::uint32_t>(stored),
           static_cast<std::uint32_t>(table_.x(patch) * cells / store::kTileCells),
@@ -216,13 +224,10 @@ bool PatchBlocks::fill(int patch, int level, OnMissing on_missing, std::span<Ver
   if (level == w) {
     std::ranges::copy(table_.corners(patch), counts.begin());
   } else {
-    // A small terrain's pyramid ends before level w - 1: then every so many posts of its last
-    // level.
-    const int stored = std::min(level, terrain_.levels() - 1);
-    const int stride = 1 << (level - stored);
-    const auto tile = terrain_.heights(tile_of(patch, level), on_missing == OnMissing::Wait
-                                                                  ? store::Fetch::Wait
-                                                                  : store::Fetch::Resident);
+    const TileId id = tile_of(patch, level);
+    const int stride = 1 << (level - static_cast<int>(id.level));
+    const auto tile = terrain_.heights(
+        id, on_missing == OnMissing::Wait ? store::Fetch::Wait : store::Fetch::Resident);
     if (!tile) return false;
     const int col = x * n * stride % store::kTileCells;
     const int row = y * n * stride % store::kTileCells;

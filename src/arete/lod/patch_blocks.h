@@ -66,6 +66,7 @@ class PatchBlocks {
   void release_unused(std::size_t wanted_bytes);
   bool idle(const Slot& slot) const { return slot.used + 1 < frame_; }
   bool fill(int patch, int level, OnMissing on_missing, std::span<Vertex> out);
+  TileId tile_at(int patch, int stored) const;
   int level_cells(int level) const { return table_.cells() >> level; }
 
   const store::Terrain& terrain_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "arete/lod/culling.h"
 
@@ -86,7 +87,12 @@ void PatchDrawer::fetch_blocks(const RefineOptions& options, RefineStats& stats)
       field_.raise(floor_level_);
     } while (fetch_missing(options, stats));
   }
-  if (options.on_missing == OnMissing::Defer) terrain_.prefetch(wanted_);
+  if (options.on_missing != OnMissing::Defer) return;
+  // Coarse tiles first: they are few, and better the picture soonest.
+  std::ranges::sort(wanted_, std::greater{});
+  const auto repeats = std::ranges::unique(wanted_);
+  wanted_.erase(repeats.begin(), repeats.end());
+  terrain_.prefetch(wanted_);
 }
 
 bool PatchDrawer::fetch_missing(const RefineOptions& options, RefineStats& stats) {

@@ -21,7 +21,7 @@ int patches(int posts, int cells) {
   return (std::max(posts - 1, 0) + cells - 1) / cells;
 }
 
-// One record of the segment: 6 int32, then w uniform and 4 w side errors as float (levels 1..w),
+// One record of the segment: 7 int32, then w uniform and 4 w side errors as float (levels 1..w),
 // all little-endian. flag 0 = not drawable, and nothing else of the record counts.
 struct RecordHead {
   std::int32_t drawable = 0;
@@ -32,12 +32,10 @@ std::size_t record_size(int w) {
   return sizeof(RecordHead) + static_cast<std::size_t>(5 * w) * sizeof(float);
 }
 
-// Rounded up, so that the stored bound still is one. Above level 0 a vertex stage in float adds
-// up to an ulp of |z| to what the tables say.
-float rounded_up(double metres, double z_abs_max) {
+// Rounded up, so that the stored bound still is one.
+float rounded_up(double metres) {
   if (metres <= 0) return 0;
-  const double slack = z_abs_max * 0x1p-22;
-  return std::nextafter(static_cast<float>(metres + slack), std::numeric_limits<float>::infinity());
+  return std::nextafter(static_cast<float>(metres), std::numeric_limits<float>::infinity());
 }
 
 // Cells of the tile whose four posts are valid, and the posts of such cells.
@@ -111,11 +109,8 @@ class RecordWriter {
   }
 
   void write(const RecordHead& head, const PatchErrors& errors) {
-    const double z_abs_max =
-        std::max(std::abs(manifest_.offset_m + manifest_.quantum_m * head.z_min),
-                 std::abs(manifest_.offset_m + manifest_.quantum_m * head.z_max));
     const auto metres = [&](const std::vector<double>& counts, std::size_t level) {
-      return counts.empty() ? 0.0F : rounded_up(counts[level] * manifest_.quantum_m, z_abs_max);
+      return counts.empty() ? 0.0F : rounded_up(counts[level] * manifest_.quantum_m);
     };
     std::vector<float> values;
     for (std::size_t l = 1; l <= static_cast<std::size_t>(w_); ++l)
@@ -190,7 +185,7 @@ void write_patch_table(const store::Terrain& terrain, store::Writers& writers, i
     }
     sink.add(static_cast<std::uint64_t>(unit), writer.bytes());
   };
-  writers.write({tables_segment(w), fmt::format("patch-tables 1 cells={}", n),
+  writers.write({tables_segment(w), fmt::format("patch-tables 2 cells={}", n),
                  cols == 0 || rows == 0 ? 0 : (rows + per_tile - 1) / per_tile, make});
 }
 

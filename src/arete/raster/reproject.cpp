@@ -208,7 +208,7 @@ class Reprojected final : public HeightSource {
     int low = source_->rows(), high = -1;
     for (std::size_t i = 0; i < x_.size(); ++i) {
       if (!inside({x_[i], y_[i]})) continue;
-      const int row = static_cast<int>(std::floor(y_[i]));
+      const int row = std::max(0, static_cast<int>(std::floor(y_[i])));
       low = std::min(low, row);
       high = std::max(high, row + 1);
     }

@@ -80,7 +80,7 @@ class GdalSamples final : public Samples {
   // GDAL 3.6 decodes GeoTIFF tiles on two threads; a tile that failed there stays in its cache as
   // if it were whole, and a second read gives whatever lies in it. Never read that dataset again.
   void reopen_single_threaded() {
-    if (single_threaded_) return;
+    if (single_threaded_ && dataset_) return;
     dataset_.reset();
     const ThreadOption one("1");
     dataset_ = open_();

@@ -43,22 +43,46 @@ void check_source(const HeightSource& source) {
         source.description() + ": posts have no finite spacing: give --crs or mend the file");
 }
 
-// A store of the same heights may be added to; anything else must be asked for by name.
+// "NAME.arete/" names the same directory as "NAME.arete", but has no siblings of its own.
+fs::path without_slash(const fs::path& path) {
+  return path.has_filename() ? path : path.parent_path();
+}
+
+// --force replaces a store, never anything else that happens to bear the name.
+void require_store(const fs::path& output) {
+  if (!fs::exists(output) || fs::exists(output / "manifest.json")) return;
+  throw Error(ErrorCode::Usage,
+              output.string() + ": exists and is no store: choose another output");
+}
+
+std::uint64_t valid_posts(const Manifest& m) {
+  const double posts = static_cast<double>(m.cols) * m.rows;
+  return static_cast<std::uint64_t>(std::llround(posts * (1 - m.nodata_share)));
+}
+
+// A store of the same heights may be added to; anything else must be asked for by name. A valid
+// post without a drawable cell may not be stored, so valid posts are counted, too.
 void require_same_heights(HeightSource& source, const fs::path& store) {
   const auto terrain = open_quietly(store);
   const Manifest& m = terrain->manifest();
   const auto stored = terrain->height_source();
   bool same = m.cols == source.cols() && m.rows == source.rows() &&
-              m.georef.world_from_post == source.georef().world_from_post;
+              m.georef.world_from_post == source.georef().world_from_post &&
+              m.georef.crs_from_post == source.georef().crs_from_post &&
+              m.georef.crs == source.georef().crs;
+  std::uint64_t valid = 0;
   std::vector<float> was(static_cast<std::size_t>(m.cols));
   std::vector<float> is(was.size());
   for (int r = 0; same && r < m.rows; ++r) {
     stored->read_row(r, was);
     source.read_row(r, is);
-    for (std::size_t c = 0; c < was.size(); ++c)
+    for (std::size_t c = 0; c < was.size(); ++c) {
+      valid += std::isnan(is[c]) ? 0 : 1;
       same = same && (std::isnan(was[c]) ||
                       std::abs(static_cast<double>(was[c]) - is[c]) <= m.max_store_error_m);
+    }
   }
+  same = same && valid == valid_posts(m);
   if (!same)
     throw Error(ErrorCode::Usage,
                 store.string() + ": holds another terrain: choose another output or use --force");
@@ -103,6 +127,7 @@ void in_part_directory(const fs::path& output, const std::string& key,
   PartDirectory part(output, key);
   try {
     work(part);
+    part.forget_key();
     publish_directory(part.store(), output, part.retired());
   } catch (const Error& error) {
     if (error.code() != ErrorCode::Cancelled) part.remove();
@@ -125,30 +150,33 @@ std::string part_key(const std::string& what, const std::string& source) {
 
 void build(HeightSource& source, const BuildOptions& options, const BuildContext& context) {
   check_source(source);
-  if (fs::exists(options.output) && !options.force) {
-    require_same_heights(source, options.output);
-    return extend(options.output, options, context);
+  const fs::path output = without_slash(options.output);
+  if (fs::exists(output) && !options.force) {
+    require_same_heights(source, output);
+    return extend(output, options, context);
   }
-  in_part_directory(options.output, part_key("build", options.source_key),
-                    [&](PartDirectory& part) {
-                      StoreBuilder builder(part.units(), part.store(), context);
-                      make_store(source, options, builder);
-                    });
+  require_store(output);
+  in_part_directory(output, part_key("build", options.source_key), [&](PartDirectory& part) {
+    StoreBuilder builder(part.units(), part.store(), context);
+    make_store(source, options, builder);
+  });
 }
 
-void extend(const fs::path& store, const BuildOptions& options, const BuildContext& context) {
+void extend(const fs::path& named, const BuildOptions& options, const BuildContext& context) {
+  const fs::path store = without_slash(named);
   const Manifest old = open_quietly(store)->manifest();
-  in_part_directory(store, part_key("extend", old.id), [&](PartDirectory& part) {
-    StoreBuilder builder(part.units(), part.store(), context);
-    builder.adopt(store, old);
-    if (options.drape != nullptr) write_drape(*options.drape, builder);
-    const Terrain& terrain = builder.open_terrain();
-    if (options.preprocess) options.preprocess(terrain, builder);
-    for (const std::string& method : options.methods)
-      if (std::ranges::find(builder.manifest.methods, method) == builder.manifest.methods.end())
-        builder.manifest.methods.push_back(method);
-    builder.finish();
-  });
+  in_part_directory(
+      store, part_key("extend", old.id + options.source_key), [&](PartDirectory& part) {
+        StoreBuilder builder(part.units(), part.store(), context);
+        builder.adopt(store, old);
+        if (options.drape != nullptr) write_drape(*options.drape, builder);
+        const Terrain& terrain = builder.open_terrain();
+        if (options.preprocess) options.preprocess(terrain, builder);
+        for (const std::string& method : options.methods)
+          if (std::ranges::find(builder.manifest.methods, method) == builder.manifest.methods.end())
+            builder.manifest.methods.push_back(method);
+        builder.finish();
+      });
 }
 
 }  // namespace arete::store

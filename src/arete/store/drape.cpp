@@ -1,5 +1,6 @@
 #include "arete/store/drape.h"
 
+#include <atomic>
 #include <vector>
 
 #include "arete/store/raster_build.h"
@@ -35,12 +36,26 @@ void copy_row(const RasterSource& from, const RasterShape& shape, TileRow row, U
   }
 }
 
+// The same texels at level 0, from which all other levels follow.
+bool holds(const SegmentReader& segment, const RasterSource& drape) {
+  std::atomic<std::uint64_t> damaged{0};
+  const auto kept = open_raster(segment, &damaged);
+  const RasterShape shape = drape.shape();
+  const auto across = static_cast<std::uint32_t>(raster_tiles(shape.width, 0, shape.tile_size));
+  const auto down = static_cast<std::uint32_t>(raster_tiles(shape.height, 0, shape.tile_size));
+  for (TileId id; id.y < down; ++id.y)
+    for (id.x = 0; id.x < across; ++id.x)
+      if (kept->read(id).bytes != drape.read(id).bytes) return false;
+  return damaged == 0;
+}
+
 }  // namespace
 
 void write_drape(const RasterSource& drape, StoreBuilder& builder) {
   const RasterShape shape = drape.shape();
   const std::string params = raster_params(shape, kName);
-  if (const auto finished = builder.find_finished(kName); finished && finished->params() == params)
+  if (const auto finished = builder.find_finished(kName);
+      finished && finished->params() == params && holds(*finished, drape))
     return builder.record(*finished);
   const UnitFolder folder = builder.units(kName, params);
   const std::vector<TileRow> rows = rows_of(shape);

@@ -65,7 +65,7 @@ std::vector<double> pull(const Level& fine, const Level* coarse, const std::vect
       const std::size_t i = index(fine.cols, x, y);
       const FillGrid::Cell& cell = fine.cells[i];
       if (cell.count > 0)
-        values[i] = static_cast<double>(cell.sum) / cell.count;
+        values[i] = static_cast<double>(cell.sum) / static_cast<double>(cell.count);
       else if (coarse != nullptr)
         values[i] = bilinear(above, coarse->cols, coarse->rows, (x - 0.5) / 2, (y - 0.5) / 2);
     }

@@ -20,7 +20,7 @@ class FillGrid {
 
   struct Cell {
     std::int64_t sum = 0;
-    std::int32_t count = 0;
+    std::int64_t count = 0;
   };
   /// Sets whole rows of cells. Thread contract: distinct rows at once.
   void set_rows(int first_row, std::span<const Cell> cells);

@@ -50,10 +50,6 @@ class BandQueue {
         encode_one(lock);
     }
   }
-  void give_back(SourceBand band) {
-    const std::scoped_lock lock(mutex_);
-    free_.push_back(std::move(band));
-  }
   void push(SourceBand band) {
     {
       const std::scoped_lock lock(mutex_);

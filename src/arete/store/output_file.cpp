@@ -52,7 +52,10 @@ OutputFile::~OutputFile() {
 
 void OutputFile::allocate(std::uint64_t bytes) {
   if (bytes == 0) return;
-  const int reason = ::posix_fallocate(fd_, 0, static_cast<off_t>(bytes));
+  int reason = 0;
+  do {
+    reason = ::posix_fallocate(fd_, 0, static_cast<off_t>(bytes));
+  } while (reason == EINTR);
   if (reason != 0) fail(path_, "reserve space", reason);
 }
 

@@ -84,6 +84,14 @@ void PartDirectory::lock() {
   }
 }
 
+void PartDirectory::forget_key() {
+  const fs::path key = path_ / "key";
+  if (::unlink(key.c_str()) != 0)
+    throw Error(ErrorCode::Io,
+                fmt::format("{}: cannot remove: {}", key.string(), std::strerror(errno)));
+  sync_directory(path_);
+}
+
 void PartDirectory::remove() noexcept {
   std::error_code ignored;
   fs::remove_all(path_, ignored);

@@ -22,6 +22,9 @@ class PartDirectory {
   std::filesystem::path units() const { return path_ / "units"; }
   std::filesystem::path store() const { return path_ / "store"; }
   std::filesystem::path retired() const { return path_ / "retired"; }
+  /// Makes sure that no later build goes on from here: once the new store is about to take the old
+  /// one's place, what lies here may be the old store. Throws: Io.
+  void forget_key();
   /// Deletes the directory and all in it; errors are left to the next build.
   void remove() noexcept;
 

@@ -1,0 +1,62 @@
+// A program of its own: it counts every allocation, which does not go with OpenGL drivers in one
+// process.
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <new>
+
+#include <gtest/gtest.h>
+
+#include "arete/lod/engine.h"
+
+#include "lod/built_terrain.h"
+
+namespace {
+std::atomic<std::uint64_t> allocations{0};
+}
+
+// Counts every allocation of this test program: refine must make none once warm.
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size)) return p;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* p) noexcept {
+  std::free(p);
+}
+[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept {
+  std::free(p);
+}
+
+namespace arete::lod {
+namespace {
+
+View view_at(double t) {
+  return make_view(
+      {.eye = {500 + 5000 * t, -2500 + 400 * std::sin(7 * t), 900 + 200 * std::cos(9 * t)},
+       .yaw = 1 + 3 * t,
+       .pitch = -0.3,
+       .near_m = 1},
+      320, 240);
+}
+
+TEST(Allocation, RefineAllocatesNothingOnceWarm) {
+  const BuiltTerrain terrain(rough_dem(257, 193, 1, 0.1), {{"patch", "17"}});
+  const auto opened = terrain.open();
+  for (const EngineInfo& info : engines()) {
+    SCOPED_TRACE(info.name);
+    const auto engine = info.open(*opened, {{"patch", "17"}});
+    DrawList list;
+    for (int k = 0; k < 200; ++k) engine->refine(view_at(k / 200.0), {}, list);
+    const std::uint64_t before = allocations;
+    for (int k = 0; k < 200; ++k) engine->refine(view_at(k / 200.0), {}, list);
+    EXPECT_EQ(allocations - before, 0U);
+  }
+  const std::uint64_t before = allocations;
+  ::operator delete(::operator new(1));  // the control: the counter counts
+  EXPECT_EQ(allocations - before, 1U);
+}
+
+}  // namespace
+}  // namespace arete::lod
