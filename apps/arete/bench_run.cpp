@@ -34,6 +34,7 @@ struct Canvas {
   // Waits for the picture: without it a software rasteriser's time would fall into the next frame.
   void draw(const View& view, const DrawList& list, const BlockSource& blocks) {
     renderer.draw(view, list, blocks, render::Style{}, frame);
+    require_all_drawn(renderer);
     glFinish();
   }
 

@@ -48,8 +48,6 @@ ExportReport measure(const mesh::Surface& surface, const Heightfield& dem) {
   });
   const mesh::SurfaceReport check = mesh::check_surface(surface, dem, nullptr, default_threads());
   report.watertight = check.cracks() == 0 && check.t_junctions == 0;
-  report.triangles = surface.indices.size() / 3;
-  report.vertices = surface.vertices.size();
   return report;
 }
 
@@ -75,11 +73,13 @@ void run(const ExportFlags& flags) {
   const auto engine = open_method(flags.terrain, flags.method, *terrain);
   const Heightfield dem(*terrain->height_source());
   const mesh::Surface surface = whole_surface(*engine, terrain->manifest(), flags.max_error_m);
-  const ExportReport report = measure(surface, dem);
-  mesh::write_mesh(flags.output, surface,
-                   {dem.georef().world_from_post, [&](const std::array<Post, 3>& corners) {
-                      return touches_drawable_cell(corners, dem);
-                    }});
+  ExportReport report = measure(surface, dem);
+  const mesh::MeshSize written = mesh::write_mesh(
+      flags.output, surface,
+      {dem.georef().world_from_post,
+       [&](const std::array<Post, 3>& corners) { return touches_drawable_cell(corners, dem); }});
+  report.triangles = written.triangles;
+  report.vertices = written.vertices;
   print_report(flags, report,
                std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 }

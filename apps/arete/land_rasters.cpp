@@ -3,6 +3,10 @@
 #include <cstdlib>
 #include <string>
 
+#include <fmt/format.h>
+
+#include "arete/core/error.h"
+
 namespace arete::app {
 namespace {
 
@@ -38,6 +42,15 @@ LandRasters::LandRasters(const store::Terrain& terrain)
   land.normals = normals_.get();
   land.validity = validity_.get();
   land.drape = drape_.get();
+}
+
+void require_all_drawn(const render::Renderer& renderer) {
+  if (const std::uint64_t dropped = renderer.stats().dropped_batches; dropped > 0) {
+    throw Error(ErrorCode::Limit,
+                fmt::format("--gpu-memory: {} batches of a frame do not fit: give it more, or a "
+                            "larger --tolerance",
+                            dropped));
+  }
 }
 
 }  // namespace arete::app

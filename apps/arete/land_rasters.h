@@ -16,4 +16,7 @@ struct LandRasters {
   std::unique_ptr<RasterSource> normals_, validity_, drape_;
 };
 
+/// A frame with holes is no frame: Throws Limit when batches did not fit the GPU memory.
+void require_all_drawn(const render::Renderer& renderer);
+
 }  // namespace arete::app

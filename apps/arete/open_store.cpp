@@ -1,8 +1,10 @@
 #include "open_store.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <functional>
+#include <string>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -33,16 +35,24 @@ std::uintmax_t bytes_under(const fs::path& directory) {
   return bytes;
 }
 
-bool holds_methods(const fs::path& store, const std::vector<std::string>& methods) {
+// What the cache holds of a terrain. One that cannot be opened is made anew: nobody else owns it.
+enum class Cached { Nothing, Damaged, FewerMethods, Whole };
+
+Cached look_up(const fs::path& store, const std::vector<std::string>& methods) {
   if (!fs::exists(store)) {
-    return false;
+    return Cached::Nothing;
   }
   store::OpenOptions options;
   options.prefetch = false;
-  const auto terrain = store::Terrain::open(store, options);
-  const std::vector<std::string>& held = terrain->manifest().methods;
-  return std::ranges::all_of(
-      methods, [&](const std::string& method) { return std::ranges::count(held, method) != 0; });
+  try {
+    const auto terrain = store::Terrain::open(store, options);
+    const std::vector<std::string>& held = terrain->manifest().methods;
+    const bool whole = std::ranges::all_of(
+        methods, [&](const std::string& method) { return std::ranges::count(held, method) != 0; });
+    return whole ? Cached::Whole : Cached::FewerMethods;
+  } catch (const Error&) {
+    return Cached::Damaged;
+  }
 }
 
 fs::path cached_store(const TerrainFlags& flags, const std::vector<std::string>& methods) {
@@ -51,13 +61,20 @@ fs::path cached_store(const TerrainFlags& flags, const std::vector<std::string>&
   recipe.methods = methods;
   recipe.method_flags = flags.method_flags;
   // The hash only has to be the same for the same compiler: another one builds anew.
-  const std::size_t key =
-      std::hash<std::string>{}(source_key(recipe) + "|" + flags.method_flags.patch);
+  std::string text = source_key(recipe) + "|" + flags.method_flags.patch;
+  for (const std::string& setting : flags.method_flags.settings) {
+    text += "|" + setting;
+  }
+  const std::size_t key = std::hash<std::string>{}(text);
   const fs::path directory = cache_directory();
   fs::create_directories(directory);
   const fs::path store =
       directory / fmt::format("{}-{:016x}.arete", flags.terrain.stem().string(), key);
-  if (!holds_methods(store, methods)) {
+  if (const Cached cached = look_up(store, methods); cached == Cached::Damaged) {
+    std::error_code ignored;
+    fs::remove_all(store, ignored);
+    build_store(recipe, store, Existing::Replace, flags.talk);
+  } else if (cached != Cached::Whole) {
     build_store(recipe, store, Existing::Keep, flags.talk);
   }
   std::error_code ignored;
@@ -87,8 +104,16 @@ void drop_oldest(const fs::path& directory, const fs::path& keep, std::uintmax_t
   };
   std::vector<Entry> entries;
   std::uintmax_t total = 0;
-  for (const auto& entry : fs::directory_iterator(directory)) {
-    entries.push_back({entry.path(), entry.last_write_time(), bytes_under(entry.path())});
+  std::error_code gone;  // another process may clear up at the same time
+  for (fs::directory_iterator it(directory, gone), end; !gone && it != end; it.increment(gone)) {
+    std::error_code ignored;
+    const auto used = it->last_write_time(ignored);
+    const bool building = it->path().extension() == ".part" &&
+                          fs::file_time_type::clock::now() - used < std::chrono::hours(24);
+    if (ignored || building) {
+      continue;
+    }
+    entries.push_back({it->path(), used, bytes_under(it->path())});
     total += entries.back().bytes;
   }
   std::ranges::sort(entries, {}, &Entry::used);

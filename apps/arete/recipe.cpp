@@ -1,10 +1,13 @@
 #include "recipe.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -28,6 +31,21 @@ std::string file_key(const fs::path& file) {
   }
   const auto changed = fs::last_write_time(file).time_since_epoch().count();
   return fmt::format("{}|{}|{}\n", fs::absolute(file).lexically_normal().string(), size, changed);
+}
+
+// Headers and projections beside a DEM decide what it means, too.
+std::string dem_key(const fs::path& dem) {
+  std::string key = file_key(dem);
+  for (const char* suffix :
+       {".hdr", ".HDR", ".prj", ".PRJ", ".lbl", ".LBL", ".img", ".IMG", ".dat"}) {
+    fs::path beside = dem;
+    beside.replace_extension(suffix);
+    std::error_code ignored;
+    if (beside != dem && fs::is_regular_file(beside, ignored)) {
+      key += file_key(beside);
+    }
+  }
+  return key;
 }
 
 std::string options_key(const raster::DemOptions& o) {
@@ -65,12 +83,21 @@ store::BuildOptions options_of(const Recipe& recipe, const fs::path& store, Exis
   return options;
 }
 
+/// Prints the notes that were not told yet, and counts them as told.
+void print_notes(const HeightSource& source, std::vector<std::string>& told) {
+  for (const std::string& note : source.georef().notes) {
+    if (std::ranges::find(told, note) == told.end()) {
+      fmt::print(stderr, "note: {}\n", note);
+      told.push_back(note);
+    }
+  }
+}
+
 void run_build(const Recipe& recipe, const fs::path& store, Existing existing, Talk talk) {
   const std::unique_ptr<HeightSource> source = raster::open_dem(recipe.dems, recipe.dem);
+  std::vector<std::string> told;
   if (talk == Talk::Normal) {
-    for (const std::string& note : source->georef().notes) {
-      fmt::print(stderr, "note: {}\n", note);
-    }
+    print_notes(*source, told);
   }
   std::unique_ptr<RasterSource> drape;
   if (!recipe.drape.empty()) {
@@ -81,6 +108,9 @@ void run_build(const Recipe& recipe, const fs::path& store, Existing existing, T
   store::BuildOptions options = options_of(recipe, store, existing, context);
   options.drape = drape.get();
   store::build(*source, options, context);
+  if (talk == Talk::Normal) {
+    print_notes(*source, told);  // some are known only once all rows are read
+  }
 }
 
 }  // namespace
@@ -88,7 +118,7 @@ void run_build(const Recipe& recipe, const fs::path& store, Existing existing, T
 std::string source_key(const Recipe& recipe) {
   std::string key;
   for (const fs::path& dem : recipe.dems) {
-    key += file_key(dem);
+    key += dem_key(dem);
   }
   if (!recipe.drape.empty()) {
     key += "drape " + file_key(recipe.drape);

@@ -63,6 +63,7 @@ class Studio {
     engine_->refine(view_, flags_.flight.refine_options(), list_);
     const auto refined = std::chrono::steady_clock::now();
     renderer_.draw(view_, list_, *engine_, flags_.style, frame_);
+    require_all_drawn(renderer_);
     rgb_ = frame_.read_rgb();
     const auto drawn = std::chrono::steady_clock::now();
     using Ms = std::chrono::duration<double, std::milli>;

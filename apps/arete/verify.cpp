@@ -51,7 +51,8 @@ Json json_of(const VerifyFlags& flags, const proof::VerifyReport& r) {
           {"claims",
            {{"conforming", r.claims.conforming},
             {"error_px", finite(r.claims.error_px)},
-            {"pop_px", finite(r.claims.pop_px)}}},
+            {"pop_px", finite(r.claims.pop_px)},
+            {"error_angular_px", finite(r.claims.error_angular_px)}}},
           {"holds", r.holds()},
           {"frames", r.frames},
           {"tolerance_px", r.tolerance_px},
@@ -64,6 +65,8 @@ Json json_of(const VerifyFlags& flags, const proof::VerifyReport& r) {
           {"max_pop_px", finite(r.max_pop_px)},
           {"p999_pop_px", finite(r.p999_pop_px)},
           {"max_pop_share", finite(r.max_pop_share)},
+          {"unpromised_pairs", r.unpromised_pairs},
+          {"undrawn_posts", r.undrawn_posts},
           {"mean_triangles", r.mean_triangles},
           {"max_triangles", r.max_triangles},
           {"achieved_error_px", finite(r.achieved_error_px)},
@@ -83,7 +86,8 @@ void print_table(const VerifyFlags& flags, const proof::VerifyReport& r) {
   fmt::print("  bound       {:10.4f} px by the method's own account\n", r.achieved_error_px);
   fmt::print("  cracks      {:10}    T-junctions {} ({})\n", r.cracks, r.t_junctions,
              r.claims.conforming ? "promised none" : "not promised");
-  fmt::print("  background  {:10} pixels seen through the surface\n", r.background_pixels);
+  fmt::print("  background  {:10} pixels seen through the surface, {} posts not drawn\n",
+             r.background_pixels, r.undrawn_posts);
   fmt::print("  pops        {:10.4f} px at most, {:.4f} for 99.9 % ({}{})\n", r.max_pop_px,
              r.p999_pop_px, promise(r.claims.pop_px, "px x relative motion"),
              std::isfinite(r.claims.pop_px)

@@ -52,6 +52,9 @@ Viewer::Viewer(const ViewFlags& flags)
   if (!flags.flight.path.empty()) {
     path_ = scene::make_path(flags.flight.path, ground_of(*terrain_, store::Fetch::Wait));
   }
+  if (!scripted()) {
+    style_.texture_tiles = 8;  // a few milliseconds a frame at most; the rest comes with the next
+  }
   if (terrain_->manifest().drawable_cells == 0) {
     message_ = "nothing to draw: no square of four posts has data";
   }
@@ -93,7 +96,11 @@ void Viewer::resize(FrameSize size) {
 
 void Viewer::act_on_keys() {
   for (const int key : window_.pressed()) {
-    press(key);
+    try {
+      press(key);
+    } catch (const Error& error) {  // a folder that cannot be written ends no flight
+      message_ = error.what();
+    }
   }
 }
 
@@ -153,7 +160,9 @@ void Viewer::toggle_recording() {
     recorded_seconds_ = 0;
     message_ = "recording a path: P saves and replays it";
   } else {
-    recording_->push_back(keyframe(recorded_seconds_, controls_.pose()));
+    if (recording_->empty() || recorded_seconds_ > recording_->back().t) {
+      recording_->push_back(keyframe(recorded_seconds_, controls_.pose()));
+    }
     path_.emplace(std::move(*recording_));
     path_seconds_ = 0;
     recording_.reset();

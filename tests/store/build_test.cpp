@@ -1,4 +1,5 @@
 #include <csignal>
+#include <fstream>
 #include <random>
 #include <thread>
 
@@ -313,6 +314,44 @@ TEST(Publish, FallsBackToTheOldStoreWhenItCannotRename) {
   write_file_durably(folder / "old/keep", std::as_bytes(std::span("old")));
   EXPECT_THROW(publish_directory(folder / "absent", folder / "old", folder / "retired"), Error);
   EXPECT_TRUE(fs::exists(folder / "old/keep"));
+}
+
+TEST(Build, ForceReplacesStoresOnly) {
+  TemporaryFolder folder;
+  fs::create_directories(folder / "precious");
+  std::ofstream(folder / "precious" / "thesis.txt") << "years of work";
+  std::ofstream(folder / "file.tif") << "a DEM";
+  Heightfield field = sample_field();
+  for (const char* name : {"precious", "file.tif"}) {
+    BuildOptions options = options_for(folder / name);
+    options.force = true;
+    EXPECT_THROW(build(field, options, {}), Error);
+  }
+  EXPECT_TRUE(fs::exists(folder / "precious" / "thesis.txt"));
+  EXPECT_TRUE(fs::exists(folder / "file.tif"));
+}
+
+TEST(Build, ATrailingSlashNamesTheSameStore) {
+  TemporaryFolder folder;
+  Heightfield field = sample_field();
+  build(field, options_for(folder.path() / "a.arete/"), {});
+  EXPECT_TRUE(fs::exists(folder / "a.arete" / "manifest.json"));
+  EXPECT_FALSE(fs::exists(folder / "a.arete" / ".part"));
+}
+
+// Once the old store may lie in the part directory, the same command must not take it for its own
+// work.
+TEST(PartDirectory, WithoutItsKeyNothingIsResumed) {
+  TemporaryFolder folder;
+  for (const bool forget : {false, true}) {
+    {
+      PartDirectory part(folder / "a.arete", "key");
+      std::ofstream(part.store() / "heights.seg") << "of the old store";
+      if (forget) part.forget_key();
+    }
+    PartDirectory again(folder / "a.arete", "key");
+    EXPECT_EQ(fs::exists(again.store() / "heights.seg"), !forget);
+  }
 }
 
 }  // namespace

@@ -138,14 +138,18 @@ TEST(Mask, IsAbsentWhenAllPostsAreValid) {
 
 class StripedDrape : public RasterSource {
  public:
+  explicit StripedDrape(int step = 7) : step_(step) {}
   RasterShape shape() const override { return {600, 300, 3, 256, 3, 1, 9}; }
   Texels read(TileId id) const override {
     Texels t{256, 3, std::vector<std::uint8_t>(3 * 256 * 256, 9)};
     if (id.x == 1) return t;
     for (std::size_t i = 0; i < t.bytes.size(); ++i)
-      t.bytes[i] = static_cast<std::uint8_t>(i * 7 + id.key() % 251);
+      t.bytes[i] = static_cast<std::uint8_t>(i * static_cast<std::size_t>(step_) + id.key() % 251);
     return t;
   }
+
+ private:
+  int step_;
 };
 
 TEST(Drape, IsCopiedTileByTile) {
@@ -163,6 +167,20 @@ TEST(Drape, IsCopiedTileByTile) {
   EXPECT_EQ(stored->shape().fill, 9);
   for (const TileId id : {TileId{0, 0, 0}, TileId{0, 1, 0}, TileId{0, 2, 1}, TileId{2, 0, 0}})
     EXPECT_EQ(stored->read(id).bytes, drape.read(id).bytes);
+}
+
+TEST(Drape, AnotherPictureOfTheSameShapeTakesItsPlace) {
+  Heightfield field = make_hills(300, 150, 2);
+  TemporaryFolder folder;
+  BuildOptions options;
+  options.output = folder / "a.arete";
+  for (const int step : {7, 11, 11}) {
+    const StripedDrape drape(step);
+    options.drape = &drape;
+    build(field, options, {});
+    EXPECT_EQ(Terrain::open(options.output)->raster("drape")->read({0, 2, 1}).bytes,
+              drape.read({0, 2, 1}).bytes);
+  }
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <span>
@@ -37,6 +38,8 @@ struct Claims {
   /// Motion of the drawn surface between two frames, in px, per unit of relative motion
   /// |dP| / D + |dalpha| / alpha, D = distance from the eye to the nearest drawn tile.
   double pop_px = 0;
+  /// The same as an angle, alpha_ang delta / D: what ErrorScale::Angular bounds.
+  double error_angular_px = std::numeric_limits<double>::infinity();
 };
 
 /// One opened method. Thread contract: one thread at a time; two engines may share a Terrain.

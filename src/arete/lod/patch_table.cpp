@@ -185,7 +185,7 @@ void write_patch_table(const store::Terrain& terrain, store::Writers& writers, i
     }
     sink.add(static_cast<std::uint64_t>(unit), writer.bytes());
   };
-  writers.write({tables_segment(w), fmt::format("patch-tables 2 cells={}", n),
+  writers.write({tables_segment(w), fmt::format("patch-tables 1 cells={}", n),
                  cols == 0 || rows == 0 ? 0 : (rows + per_tile - 1) / per_tile, make});
 }
 

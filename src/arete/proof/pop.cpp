@@ -78,7 +78,9 @@ double relative_motion(const View& before, const View& after, ErrorScale scale, 
 }
 
 double pop_share(double pop_px, double claim_px, double motion) {
-  if (pop_px == 0 || std::isinf(claim_px) || std::isinf(motion)) return 0;
+  if (pop_px == 0 || std::isinf(claim_px)) return 0;
+  if (claim_px == 0) return std::numeric_limits<double>::infinity();  // whatever the motion
+  if (std::isinf(motion)) return 0;
   return pop_px / (claim_px * motion);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <utility>
 
@@ -59,6 +60,7 @@ class Flight {
     r.max_error_px = residuals_.px.max_px();
     r.p999_error_px = residuals_.px.quantile_px(0.999);
     r.max_error_angular_px = residuals_.max_angular_px;
+    r.undrawn_posts = residuals_.undrawn;
     r.max_pop_px = pops_.max_px();
     r.p999_pop_px = pops_.quantile_px(0.999);
     r.mean_triangles = r.frames == 0 ? 0 : triangles_ / r.frames;
@@ -86,6 +88,7 @@ class Flight {
     const PixelHistogram pops = measure_pops(pair, reference_, options_.threads);
     const double motion =
         relative_motion(pair.view_before, pair.view_after, options_.refine.scale, nearest);
+    if (std::isinf(motion)) ++report_.unpromised_pairs;
     report_.max_pop_share = std::max(
         report_.max_pop_share,
         pop_share(std::max(0.0, pops.max_px() - kRoundingPx), report_.claims.pop_px, motion));
@@ -115,9 +118,10 @@ class Flight {
 }  // namespace
 
 bool VerifyReport::holds() const {
-  const bool conforms = cracks == 0 && t_junctions == 0 && background_pixels == 0;
+  const bool conforms =
+      cracks == 0 && t_junctions == 0 && background_pixels == 0 && undrawn_posts == 0;
   return (conforms || !claims.conforming) && max_error_px <= claims.error_px + kRoundingPx &&
-         max_pop_share <= 1;
+         max_error_angular_px <= claims.error_angular_px + kRoundingPx && max_pop_share <= 1;
 }
 
 VerifyReport verify(lod::Engine& engine, const Heightfield& dem, const scene::Path& path,

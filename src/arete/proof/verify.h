@@ -35,8 +35,11 @@ struct VerifyReport {
   double max_error_px = 0, p999_error_px = 0, max_error_angular_px = 0;
   std::uint64_t cracks = 0, t_junctions = 0, background_pixels = 0;
   double max_pop_px = 0, p999_pop_px = 0;
-  double max_pop_share =
-      0;  ///< pop / that pair's promise (Claims::pop_px x relative motion); <= 1 holds
+  /// Pop / that pair's promise (Claims::pop_px x relative motion); <= 1 holds. Of pairs with the
+  /// eye outside every drawn tile's box: inside one D is 0 and nothing is promised.
+  double max_pop_share = 0;
+  int unpromised_pairs = 0;
+  std::uint64_t undrawn_posts = 0;  ///< counted posts in the viewport that no triangle covers
   double mean_triangles = 0;
   std::uint64_t max_triangles = 0;
   double achieved_error_px = 0;  ///< the engine's own worst bound

@@ -17,7 +17,9 @@ class FullEngine final : public Engine {
     drawer_.draw(view, options, ScreenError(view, options.tolerance_px, options.scale), out);
   }
   // Level 0 everywhere is the reference itself: no error, no motion.
-  Claims claims(const RefineOptions&) const override { return {true, 0, 0}; }
+  Claims claims(const RefineOptions&) const override {
+    return {.conforming = true, .error_px = 0, .pop_px = 0, .error_angular_px = 0};
+  }
   std::span<const Vertex> vertices(BlockKey key) const override {
     return drawer_.blocks().vertex_span(key);
   }

@@ -31,8 +31,11 @@ class GeomipmapEngine final : public Engine {
     const bool in_pixels = options.scale != ErrorScale::Angular;
     // 2 tau kappa / (kappa - 1) |dP| / D  [METHODS 7.8(9)]
     const double motion = 2 * options.tolerance_px * LevelField::kKappa / (LevelField::kKappa - 1);
-    return {true, in_pixels ? options.tolerance_px : std::numeric_limits<double>::infinity(),
-            motion};
+    const double none = std::numeric_limits<double>::infinity();
+    return {.conforming = true,
+            .error_px = in_pixels ? options.tolerance_px : none,
+            .pop_px = motion,
+            .error_angular_px = in_pixels ? none : options.tolerance_px};
   }
 
   std::span<const Vertex> vertices(BlockKey key) const override {
