@@ -32,15 +32,6 @@ std::atomic<std::uint64_t> allocations{0};
 namespace arete::lod {
 namespace {
 
-View view_at(double t) {
-  return make_view(
-      {.eye = {500 + 5000 * t, -2500 + 400 * std::sin(7 * t), 900 + 200 * std::cos(9 * t)},
-       .yaw = 1 + 3 * t,
-       .pitch = -0.3,
-       .near_m = 1},
-      320, 240);
-}
-
 TEST(Allocation, RefineAllocatesNothingOnceWarm) {
   const BuiltTerrain terrain(rough_dem(257, 193, 1, 0.1), {{"patch", "17"}});
   const auto opened = terrain.open();
@@ -48,9 +39,9 @@ TEST(Allocation, RefineAllocatesNothingOnceWarm) {
     SCOPED_TRACE(info.name);
     const auto engine = info.open(*opened, {{"patch", "17"}});
     DrawList list;
-    for (int k = 0; k < 200; ++k) engine->refine(view_at(k / 200.0), {}, list);
+    for (int k = 0; k < 200; ++k) engine->refine(flight_view(k / 200.0), {}, list);
     const std::uint64_t before = allocations;
-    for (int k = 0; k < 200; ++k) engine->refine(view_at(k / 200.0), {}, list);
+    for (int k = 0; k < 200; ++k) engine->refine(flight_view(k / 200.0), {}, list);
     EXPECT_EQ(allocations - before, 0U);
   }
   const std::uint64_t before = allocations;

@@ -38,6 +38,15 @@ std::unique_ptr<store::Terrain> BuiltTerrain::open(store::OpenOptions options) c
   return store::Terrain::open(folder_ / "t.arete", std::move(options));
 }
 
+View flight_view(double t) {
+  return make_view(
+      {.eye = {500 + 5000 * t, -2500 + 400 * std::sin(7 * t), 900 + 200 * std::cos(9 * t)},
+       .yaw = 1 + 3 * t,
+       .pitch = -0.3,
+       .near_m = 1},
+      320, 240);
+}
+
 Heightfield rough_dem(int cols, int rows, std::uint64_t seed, double hole_share) {
   std::mt19937_64 random(seed);
   std::normal_distribution<float> noise(0, 6);

@@ -27,6 +27,9 @@ class BuiltTerrain {
   Heightfield dem_;
 };
 
+/// A view of rough_dem(257, 193, ...) along a winding flight, t in 0..1.
+View flight_view(double t);
+
 /// A seeded DEM with holes where `hole_share` > 0.
 Heightfield rough_dem(int cols, int rows, std::uint64_t seed, double hole_share);
 

@@ -16,15 +16,6 @@
 namespace arete::lod {
 namespace {
 
-View view_at(double t) {
-  return make_view(
-      {.eye = {500 + 5000 * t, -2500 + 400 * std::sin(7 * t), 900 + 200 * std::cos(9 * t)},
-       .yaw = 1 + 3 * t,
-       .pitch = -0.3,
-       .near_m = 1},
-      320, 240);
-}
-
 class Geomipmap : public testing::Test {
  protected:
   BuiltTerrain terrain_{rough_dem(257, 193, 1, 0.1), {{"patch", "17"}}};
@@ -37,7 +28,7 @@ TEST_F(Geomipmap, FieldKeepsItsConstraints) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> unit(0, 1);
   for (int k = 0; k < 200; ++k) {
-    const View view = view_at(unit(random));
+    const View view = flight_view(unit(random));
     const ScreenError error(view, 0.3 + 5 * unit(random));
     field.solve(view.eye, error);
     for (int p = 0; p < table.size(); ++p) {
@@ -70,8 +61,8 @@ TEST_F(Geomipmap, NothingPops) {
   double worst = 0;
   for (int k = 0; k < 60; ++k) {
     const double t = k / 60.0;
-    const View a = view_at(t);
-    const View b = view_at(t + step);
+    const View a = flight_view(t);
+    const View b = flight_view(t + step);
     const auto before = heights(*engine, a);
     const auto after = heights(*engine, b);
     const double moved = glm::length(a.eye - b.eye);
@@ -105,8 +96,8 @@ TEST_F(Geomipmap, StripsDrawTheSameTriangles) {
   DrawList b;
   mesh::Surface sa;
   mesh::Surface sb;
-  lists->refine(view_at(0.4), {}, a);
-  strips->refine(view_at(0.4), {}, b);
+  lists->refine(flight_view(0.4), {}, a);
+  strips->refine(flight_view(0.4), {}, b);
   mesh::flatten(a, *lists, sa);
   mesh::flatten(b, *strips, sb);
   EXPECT_EQ(sa.indices.size(), sb.indices.size());

@@ -44,4 +44,22 @@ class PatchDrawer {
   std::vector<TileId> wanted_;      ///< for prefetch
 };
 
+/// An engine whose lists a PatchDrawer fills: methods add the field and their claims.
+class PatchEngine : public Engine {
+ public:
+  PatchEngine(const store::Terrain& terrain, int log2_cells, Topology topology,
+              std::size_t budget_bytes)
+      : drawer_(terrain, log2_cells, topology, budget_bytes) {}
+
+  std::span<const Vertex> vertices(BlockKey key) const override {
+    return drawer_.blocks().vertex_span(key);
+  }
+  std::span<const std::uint32_t> indices(BlockKey key) const override {
+    return drawer_.blocks().index_span(key);
+  }
+
+ protected:
+  PatchDrawer drawer_;
+};
+
 }  // namespace arete::lod

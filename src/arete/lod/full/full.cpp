@@ -6,10 +6,9 @@
 namespace arete::lod::full {
 namespace {
 
-class FullEngine final : public Engine {
+class FullEngine final : public PatchEngine {
  public:
-  FullEngine(const store::Terrain& terrain, int log2_cells, std::size_t budget)
-      : drawer_(terrain, log2_cells, Topology::Triangles, budget) {}
+  using PatchEngine::PatchEngine;
 
   void refine(const View& view, const RefineOptions& options, DrawList& out) override {
     out.clear();
@@ -20,15 +19,6 @@ class FullEngine final : public Engine {
   Claims claims(const RefineOptions&) const override {
     return {.conforming = true, .error_px = 0, .pop_px = 0, .error_angular_px = 0};
   }
-  std::span<const Vertex> vertices(BlockKey key) const override {
-    return drawer_.blocks().vertex_span(key);
-  }
-  std::span<const std::uint32_t> indices(BlockKey key) const override {
-    return drawer_.blocks().index_span(key);
-  }
-
- private:
-  PatchDrawer drawer_;
 };
 
 }  // namespace
@@ -43,7 +33,7 @@ std::unique_ptr<Engine> open(const store::Terrain& terrain, const Params& params
   check_names(params, {"patch", "blocks"});
   const int w = parse_patch(param(params, "patch", "auto"), terrain.manifest());
   const auto mib = static_cast<std::size_t>(int_param(params, "blocks", 1024, {1, 1 << 20}));
-  return std::make_unique<FullEngine>(terrain, w, mib << 20U);
+  return std::make_unique<FullEngine>(terrain, w, Topology::Triangles, mib << 20U);
 }
 
 }  // namespace arete::lod::full

@@ -10,11 +10,9 @@
 namespace arete::lod::geomipmap {
 namespace {
 
-class GeomipmapEngine final : public Engine {
+class GeomipmapEngine final : public PatchEngine {
  public:
-  GeomipmapEngine(const store::Terrain& terrain, int log2_cells, Topology topology,
-                  std::size_t budget)
-      : drawer_(terrain, log2_cells, topology, budget) {}
+  using PatchEngine::PatchEngine;
 
   // "All tessellation levels are calculated first, without creating the resulting geometry, and
   // then each patch is informed about its neighbours' levels" [Wagner2003, "Connecting Patches"].
@@ -37,16 +35,6 @@ class GeomipmapEngine final : public Engine {
             .pop_px = motion,
             .error_angular_px = in_pixels ? none : options.tolerance_px};
   }
-
-  std::span<const Vertex> vertices(BlockKey key) const override {
-    return drawer_.blocks().vertex_span(key);
-  }
-  std::span<const std::uint32_t> indices(BlockKey key) const override {
-    return drawer_.blocks().index_span(key);
-  }
-
- private:
-  PatchDrawer drawer_;
 };
 
 Topology parse_topology(std::string_view text) {
