@@ -9,7 +9,8 @@ target_compile_definitions(arete_settings INTERFACE GLM_FORCE_DEPTH_ZERO_TO_ONE 
 if(ARETE_SANITIZE)
   # GCC 12 sees uninitialised members in std::regex once it is instrumented; the plain builds still warn.
   target_compile_options(arete_settings INTERFACE -fsanitize=${ARETE_SANITIZE}
-    -fno-sanitize-recover=all -fno-omit-frame-pointer -Wno-maybe-uninitialized)
+    -fno-sanitize-recover=all -fno-omit-frame-pointer
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(arete_settings INTERFACE -fsanitize=${ARETE_SANITIZE})
 endif()
 if(ARETE_COVERAGE)
