@@ -69,6 +69,7 @@ void print_report(const ExportFlags& flags, const ExportReport& r, double second
 
 void run(const ExportFlags& flags) {
   const auto start = std::chrono::steady_clock::now();
+  mesh::check_mesh_name(flags.output);  // before the work
   const auto terrain = open_terrain(flags.terrain, {flags.method});
   const auto engine = open_method(flags.terrain, flags.method, *terrain);
   const Heightfield dem(*terrain->height_source());

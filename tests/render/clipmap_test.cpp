@@ -64,16 +64,23 @@ TEST_F(ClipmapTest, HoldsWhatTheShaderMaySampleWhereverTheCameraGoes) {
   }
 }
 
-TEST_F(ClipmapTest, AWindowLeftBehindIsFound) {
+TEST_F(ClipmapTest, ALevelLeftBehindIsNotOffered) {
   const ToyRaster source(700, 300, 1, kTile, code);
   Clipmap map(source, 4 * kTile * 4 * kTile * 8);
   map.update({100, 100}, 0, 1 << 20);
-  Clipmap moved(source, 4 * kTile * 4 * kTile * 8);
-  moved.update({100, 100}, 0, 1 << 20);
-  EXPECT_EQ(wrong_texels(moved, source, {100, 100}), 0);
-  moved.update({600, 200}, 100, 1 << 20);  // fills the coarsest level only
-  EXPECT_EQ(moved.block({600, 200}).levels.y, static_cast<float>(source.shape().levels - 1));
-  EXPECT_EQ(wrong_texels(moved, source, {600, 200}), 0);
+  map.update({600, 200}, 100, 1 << 20);  // fills the coarsest level only
+  EXPECT_EQ(map.block({600, 200}).levels.y, static_cast<float>(source.shape().levels - 1));
+  EXPECT_EQ(wrong_texels(map, source, {600, 200}), 0);
+}
+
+TEST_F(ClipmapTest, TheCheckFindsOneWrongTexel) {
+  const ToyRaster source(700, 300, 1, kTile, code);
+  Clipmap map(source, 4 * kTile * 4 * kTile * 8);
+  map.update({0, 0}, 0, 1 << 20);
+  ASSERT_EQ(wrong_texels(map, source, {0, 0}), 0);
+  const std::uint8_t fault = code(0, 0, 0, 0) ^ 1U;
+  glTextureSubImage3D(map.texture(), 0, 0, 0, 0, 1, 1, 1, GL_RED, GL_UNSIGNED_BYTE, &fault);
+  EXPECT_EQ(wrong_texels(map, source, {0, 0}), 1);
 }
 
 TEST_F(ClipmapTest, ReadsOnlyWhatCameIntoReach) {

@@ -204,14 +204,19 @@ void write_glb(NewFile& out, Mesh mesh, const std::string& name) {
 
 }  // namespace
 
-MeshSize write_mesh(const std::filesystem::path& file, const Surface& surface,
-                    const WriteOptions& options) {
+void check_mesh_name(const std::filesystem::path& file) {
   const std::string kind = file.extension().string();
   if (kind != ".obj" && kind != ".ply" && kind != ".stl" && kind != ".glb") {
     throw Error(ErrorCode::Usage, fmt::format("{}: unknown kind of mesh: name it .obj, .ply, .stl "
                                               "or .glb",
                                               file.string()));
   }
+}
+
+MeshSize write_mesh(const std::filesystem::path& file, const Surface& surface,
+                    const WriteOptions& options) {
+  check_mesh_name(file);
+  const std::string kind = file.extension().string();
   const Mesh mesh = make_mesh(surface, options, [&](const SurfaceVertex& v) {
     const glm::dvec3 grid = grid_position(v);
     return glm::dvec3(options.world_from_post.apply(grid.x, grid.y), grid.z);

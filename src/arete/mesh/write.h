@@ -21,6 +21,9 @@ struct MeshSize {
   std::uint64_t triangles = 0, vertices = 0;
 };
 
+/// Throws: Usage for a name that write_mesh would refuse.
+void check_mesh_name(const std::filesystem::path& file);
+
 /// Writes the surface in world metres, vertices at the same place merged: .obj, .ply (binary),
 /// .stl (binary), .glb (glTF 2.0, y up, placed by a node so that floats suffice), by extension.
 /// Throws: Usage for another extension, InvalidInput for no triangle, Limit when the format

@@ -14,9 +14,9 @@ namespace {
 
 constexpr int kSubpixels = 256;
 constexpr int kBandRows = 32;
-// Corners further out than this many viewports are clipped off, so that products of snapped
-// coordinates fit 64 bits.
-constexpr double kGuard = 1024;
+// Corners further out than this many half viewports are clipped off, so that differences of snapped
+// coordinates fit 32 bits up to 65,000 px a side and their products 64.
+constexpr double kGuard = 128;
 
 struct ScreenTriangle {
   std::array<std::int32_t, 3> x, y;  // 1/256 px, right and down; clockwise on the screen
