@@ -7,10 +7,10 @@
 
 #include <epoxy/gl.h>
 
+#include "arete/proof/incoherence.h"
 #include "arete/render/renderer.h"
 
 #include "ground.h"
-#include "incoherence.h"
 #include "interrupt.h"
 #include "land_rasters.h"
 #include "process_usage.h"
@@ -77,7 +77,7 @@ BenchRun bench_method(const FlightFlags& flags, const std::string& method, Drawi
   run.method = method;
   run.frames = flags.frames;
   const std::uint64_t faults = major_page_faults();
-  Incoherence incoherence;
+  proof::Incoherence incoherence;
   DrawList list;
   ProgressBar bar(flags.terrain.talk);
   for (int i = 0; i < flags.frames; ++i) {

@@ -1,10 +1,10 @@
-#include "incoherence.h"
+#include "arete/proof/incoherence.h"
 
 #include <algorithm>
 #include <array>
 #include <iterator>
 
-namespace arete::app {
+namespace arete::proof {
 namespace {
 
 std::uint64_t post_key(Post p) {
@@ -42,7 +42,7 @@ std::size_t count_differences(const std::vector<std::uint64_t>& a,
 
 }  // namespace
 
-void Incoherence::add(const DrawList& list, const BlockSource& blocks) {
+double Incoherence::add(const DrawList& list, const BlockSource& blocks) {
   mesh::flatten(list, blocks, surface_);
   now_.clear();
   const auto key = [&](std::size_t i) {
@@ -52,13 +52,16 @@ void Incoherence::add(const DrawList& list, const BlockSource& blocks) {
     now_.push_back(triangle_key({key(i), key(i + 1), key(i + 2)}));
   }
   std::ranges::sort(now_);
+  double changed = 0;
   if (!first_ && !now_.empty()) {
-    sum_ +=
+    changed =
         static_cast<double>(count_differences(now_, before_)) / static_cast<double>(now_.size());
+    sum_ += changed;
     ++pairs_;
   }
   first_ = false;
   std::swap(now_, before_);
+  return 100 * changed;
 }
 
-}  // namespace arete::app
+}  // namespace arete::proof

@@ -6,13 +6,15 @@
 #include "arete/core/draw_list.h"
 #include "arete/mesh/surface.h"
 
-namespace arete::app {
+namespace arete::proof {
 
 /// How much the triangulation changes from frame to frame: |T_t xor T_t-1| / |T_t|, triangles
 /// compared by their posts [METHODS S7].
 class Incoherence {
  public:
-  void add(const DrawList& list, const BlockSource& blocks);
+  /// Takes the next frame; returns its share of triangles changed since the one before, percent
+  /// (0 of the first).
+  double add(const DrawList& list, const BlockSource& blocks);
   /// Mean over the pairs of frames, percent; 0 before there is a pair.
   double percent() const { return pairs_ == 0 ? 0 : 100 * sum_ / pairs_; }
 
@@ -24,4 +26,4 @@ class Incoherence {
   bool first_ = true;
 };
 
-}  // namespace arete::app
+}  // namespace arete::proof
