@@ -9,6 +9,7 @@
 
 #include "arete/render/headless.h"
 
+#include "bench_paper.h"
 #include "bench_report.h"
 #include "bench_run.h"
 #include "flags.h"
@@ -24,6 +25,7 @@ struct BenchFlags {
   std::string methods = "all";
   Drawing drawing = Drawing::Draw;
   std::filesystem::path report;
+  std::string paper;
   bool json = false;
 };
 
@@ -117,6 +119,9 @@ std::vector<BenchRun> bench_methods(const BenchFlags& flags,
 }
 
 void run(const BenchFlags& flags) {
+  if (!flags.paper.empty()) {
+    return bench_paper(flags.flight, flags.paper, flags.json ? Format::Json : Format::Text);
+  }
   std::optional<render::HeadlessContext> context;
   if (flags.drawing == Drawing::Draw) {
     context.emplace();
@@ -152,6 +157,8 @@ void add_bench(CLI::App& app) {
   add_gpu_memory(*verb, flags->flight.gpu_memory);
   verb->add_flag_callback(
       "--no-draw", [flags] { flags->drawing = Drawing::Skip; }, "Time the refinement alone");
+  verb->add_option("--paper", flags->paper, "Repeat a paper's own experiment: smart")
+      ->type_name("NAME");
   verb->add_option("--report", flags->report, "A page with a table and charts")->type_name("HTML");
   verb->add_flag("--json", flags->json, "Print JSON");
   add_quiet(*verb, flags->flight.terrain.talk);

@@ -1,0 +1,246 @@
+#include "arete/proof/papers/smart.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "arete/lod/engine.h"
+#include "arete/proof/incoherence.h"
+#include "arete/proof/papers/published.h"
+
+namespace arete::proof::smart {
+namespace {
+
+constexpr int kWidth = 800, kHeight = 600;
+constexpr std::array kTolerances{1.0, 2.0, 4.0, 8.0};
+constexpr std::array kIncoherences{0.61, 1.36, 5.29};
+constexpr int kStretches = 10;
+constexpr int kPasses = 3;  // of which each frame's quickest counts
+
+using Clock = std::chrono::steady_clock;
+
+struct Setting {
+  double tolerance_px, incoherence_percent;
+  std::string text() const {
+    return fmt::format("tolerance={:g}px incoherence={:g}%", tolerance_px, incoherence_percent);
+  }
+};
+
+/// A frame of a flight: where, and whether the eye was carried there (then it is not counted).
+struct Station {
+  View view;
+  bool teleport;
+};
+
+struct FrameCost {
+  double ms = 0;
+  RefineStats stats;
+};
+
+/// What one engine spent on every counted frame.
+using Costs = std::vector<FrameCost>;
+
+/// The shares or ratios of two runs, a frame each.
+struct Ratios {
+  std::vector<double> values;
+  double of_sums = 0;
+  double median() const { return at(0.5); }
+  double max() const { return at(1); }
+
+ private:
+  double at(double share) const {
+    if (values.empty()) return 0;
+    std::vector<double> sorted = values;
+    const auto k = static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1));
+    std::ranges::nth_element(sorted, sorted.begin() + static_cast<std::ptrdiff_t>(k));
+    return sorted[k];
+  }
+};
+
+template <typename Quantity>
+Ratios ratios(const Costs& over, const Costs& under, Quantity quantity) {
+  Ratios out;
+  double sum_over = 0, sum_under = 0;
+  for (std::size_t i = 0; i < over.size(); ++i) {
+    const auto a = static_cast<double>(quantity(over[i]));
+    const auto b = static_cast<double>(quantity(under[i]));
+    sum_over += a;
+    sum_under += b;
+    if (b > 0) out.values.push_back(a / b);
+  }
+  out.of_sums = sum_under > 0 ? sum_over / sum_under : 0;
+  return out;
+}
+
+class Protocol {
+ public:
+  Protocol(const store::Terrain& terrain, const scene::Path& path, const PaperOptions& options)
+      : terrain_(terrain), path_(path), options_(options) {}
+
+  std::vector<PaperRow> run() {
+    for (const double tolerance : kTolerances) {
+      for (const double incoherence : kIncoherences) measure({tolerance, incoherence});
+    }
+    return std::move(rows_);
+  }
+
+ private:
+  void say(const std::string& what) {
+    constexpr double kAll = kTolerances.size() * kIncoherences.size();
+    if (options_.progress) options_.progress(what, settings_done_ / kAll);
+  }
+
+  View view_at(double t) const {
+    const double end = path_.duration();
+    return make_view(path_.at(path_.closed() ? std::fmod(t, end) : std::min(t, end)), kWidth,
+                     kHeight);
+  }
+
+  // Mean share of SOAR's triangles that a step of so many seconds changes, along the path.
+  double incoherence(lod::Engine& soar, const lod::RefineOptions& refine, double step) const {
+    constexpr int kPairs = 24;
+    double sum = 0;
+    DrawList list;
+    for (int i = 0; i < kPairs; ++i) {
+      const double t = path_.duration() * (i + 0.5) / kPairs;
+      Incoherence pair;
+      for (const double at : {t, t + step}) {
+        soar.refine(view_at(at), refine, list);
+        pair.add(list, soar);
+      }
+      sum += pair.percent();
+    }
+    return sum / kPairs;
+  }
+
+  // Seconds a frame that reach the incoherence: it grows with the step, so bisect its logarithm.
+  double step_for(const Setting& setting, const lod::RefineOptions& refine) const {
+    const auto soar = lod::find_engine("soar").open(terrain_, {});
+    double low = 1e-6 * path_.duration(), high = 0.1 * path_.duration();
+    for (int i = 0; i < 14; ++i) {
+      const double middle = std::sqrt(low * high);
+      const bool slow = incoherence(*soar, refine, middle) < setting.incoherence_percent;
+      (slow ? low : high) = middle;
+    }
+    return std::sqrt(low * high);
+  }
+
+  std::vector<Station> stations(double step) const {
+    std::vector<Station> out;
+    const int each = std::max(1, options_.frames / kStretches);
+    for (int s = 0; s < kStretches; ++s) {
+      const double start = path_.duration() * s / kStretches;
+      for (int i = 0; i <= each; ++i) out.push_back({view_at(start + i * step), i == 0});
+    }
+    return out;
+  }
+
+  Costs fly(std::string_view method, const lod::Params& params, const std::vector<Station>& flight,
+            const lod::RefineOptions& refine) const {
+    Costs best;
+    for (int pass = 0; pass < kPasses; ++pass) {
+      const auto engine = lod::find_engine(method).open(terrain_, params);
+      DrawList list;
+      std::size_t frame = 0;
+      for (const Station& station : flight) {
+        const auto start = Clock::now();
+        engine->refine(station.view, refine, list);
+        const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+        if (station.teleport) continue;
+        if (pass == 0) best.push_back({ms, list.stats});
+        best[frame].ms = std::min(best[frame].ms, ms);
+        ++frame;
+      }
+    }
+    return best;
+  }
+
+  double reached_incoherence(const std::vector<Station>& flight,
+                             const lod::RefineOptions& refine) const {
+    const auto soar = lod::find_engine("soar").open(terrain_, {});
+    Incoherence changes;
+    DrawList list;
+    double sum = 0;
+    int counted = 0;
+    for (const Station& station : flight) {
+      soar->refine(station.view, refine, list);
+      const double percent = changes.add(list, *soar);
+      if (station.teleport) continue;
+      sum += percent;
+      ++counted;
+    }
+    return counted == 0 ? 0 : sum / counted;
+  }
+
+  void add(std::string_view table, std::string_view quantity, std::optional<double> measured,
+           std::string_view unit, std::string_view note = "") {
+    rows_.push_back({std::string(table), std::string(quantity), setting_,
+                     published("smart", quantity, setting_), measured, std::string(unit),
+                     std::string(note)});
+  }
+
+  void add_spread(std::string_view table, const std::string& quantity, const Ratios& r,
+                  double factor, std::string_view unit) {
+    add(table, quantity, factor * r.median(), unit);
+    add(table, quantity + "_mean", factor * r.of_sums, unit);
+    add(table, quantity + "_max", factor * r.max(), unit);
+  }
+
+  // Figure 8: the share of evaluations along the route, a value a stretch.
+  void add_route(const Ratios& share) {
+    const std::size_t each = std::max<std::size_t>(1, share.values.size() / kStretches);
+    for (std::size_t s = 0; s * each < share.values.size() && s < kStretches; ++s) {
+      Ratios part;
+      part.values.assign(share.values.begin() + static_cast<std::ptrdiff_t>(s * each),
+                         share.values.begin() + static_cast<std::ptrdiff_t>(
+                                                    std::min((s + 1) * each, share.values.size())));
+      add("Figure 8", fmt::format("evaluation_share_percent_route_{:02}", 10 * s),
+          100 * part.median(), "%");
+    }
+  }
+
+  void add_comparison(const Costs& soar, const Costs& mine, const std::string& suffix) {
+    const auto evaluated = [](const FrameCost& c) { return c.stats.evaluated_vertices; };
+    const auto visited = [](const FrameCost& c) { return c.stats.visited_nodes; };
+    const auto ms = [](const FrameCost& c) { return c.ms; };
+    const Ratios share = ratios(mine, soar, evaluated);
+    add_spread("Figure 8", "evaluation_share_percent" + suffix, share, 100, "%");
+    add_spread("Figure 8", "visited_share_percent" + suffix, ratios(mine, soar, visited), 100, "%");
+    add_spread("Figures 9, 10", "mesh_speedup" + suffix, ratios(soar, mine, ms), 1, "x");
+    if (suffix.empty()) add_route(share);
+  }
+
+  void measure(const Setting& setting) {
+    setting_ = setting.text();
+    say(setting_);
+    lod::RefineOptions refine;
+    refine.tolerance_px = setting.tolerance_px;
+    const std::vector<Station> flight = stations(step_for(setting, refine));
+    const Costs soar = fly("soar", {}, flight, refine);
+    add_comparison(soar, fly("smart", {}, flight, refine), "");
+    add_comparison(soar, fly("smart", {{"literal", "true"}}, flight, refine), "_literal");
+    add("", "incoherence_percent", reached_incoherence(flight, refine), "%",
+        "of SOAR's triangles, mean of the counted frames");
+    add("Figures 9, 10", "total_speedup", std::nullopt, "x", "a claim on a GPU only");
+    settings_done_ += 1;
+  }
+
+  const store::Terrain& terrain_;
+  const scene::Path& path_;
+  const PaperOptions& options_;
+  std::vector<PaperRow> rows_;
+  std::string setting_;
+  double settings_done_ = 0;
+};
+
+}  // namespace
+
+std::vector<PaperRow> run(const store::Terrain& terrain, const scene::Path& path,
+                          const PaperOptions& options) {
+  return Protocol(terrain, path, options).run();
+}
+
+}  // namespace arete::proof::smart
