@@ -1,0 +1,46 @@
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace arete::lod::bintree {
+
+/// An unsigned 16-bit float: 8 bits of exponent, 8 of mantissa, the upper half of a positive float
+/// shifted by one bit. Codes order as their values do; kInfinite is the largest.
+using Code = std::uint16_t;
+inline constexpr Code kInfinite = 0xFF00;
+
+/// The value of a code, metres. Requires: code <= kInfinite.
+inline float value(Code code) {
+  return std::bit_cast<float>(static_cast<std::uint32_t>(code) << 15U);
+}
+
+/// The least code whose value is at least x; at most 2^-8 of x above it. Requires: x >= 0.
+inline Code code_up(double x) {
+  auto rounded = static_cast<float>(x);
+  if (static_cast<double>(rounded) < x)
+    rounded = std::nextafter(rounded, std::numeric_limits<float>::infinity());
+  constexpr std::uint32_t kBelow = (1U << 15U) - 1;
+  return static_cast<Code>((std::bit_cast<std::uint32_t>(rounded) + kBelow) >> 15U);
+}
+
+/// What is stored of a vertex.
+///
+/// `delta`: bound on |drawn - true| in metres, at the posts of drawable cells in the triangles that
+/// share the base edge which the vertex bisects, while they are drawn whole: flat triangles through
+/// vertices rounded to float. It is at least the delta of every DAG child (saturated). With
+/// incremental deltas it is the paper's: the distance from the edge's midpoint, saturated.
+/// `radius`: value(radius) >= |v - c| + value(c.radius) for every DAG child c, distances in world
+/// metres: a sphere about the vertex that holds the spheres of all its descendants.
+/// The centre and the corners have both infinite. Vertices of no drawable post have delta 0 unless
+/// a child has more; those outside the grid and ghosts are all zero unless nesting needs more.
+struct Record {
+  std::int32_t count = 0;  ///< lattice height, z = offset + quantum * count; of holes: filled
+  Code delta = 0;
+  Code radius = 0;
+};
+static_assert(sizeof(Record) == 8);
+
+}  // namespace arete::lod::bintree

@@ -1,0 +1,107 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "arete/lod/bintree/record.h"
+#include "arete/lod/bintree/vertex_index.h"
+#include "arete/lod/engine.h"
+#include "arete/store/terrain.h"
+
+namespace arete::lod::bintree {
+
+/// Records a page: 4 KiB of consecutive indices.
+inline constexpr int kLog2PageRecords = 9;
+inline constexpr std::size_t kPageRecords = std::size_t{1} << kLog2PageRecords;
+inline constexpr std::size_t kRecordPageBytes = kPageRecords * sizeof(Record);
+
+/// How the delta of a vertex is measured (METHODS 1.4).
+enum class Delta {
+  Exact,        ///< over all posts of the two triangles: a bound
+  Incremental,  ///< at the vertex alone, as the papers do: no bound
+};
+/// "bintree" or "bintree-incremental".
+std::string bintree_segment(Delta delta);
+
+/// Whether a thread reads pages ahead of their use.
+enum class Prefetch { On, Off };
+
+/// What RecordPages did. The first three are of the current frame, the others since opening.
+struct PageCounts {
+  std::uint64_t touched = 0;  ///< different stored pages that find() returned records of
+  std::uint64_t faults = 0;   ///< pages read by find()
+  std::uint64_t late = 0;     ///< find() that returned null
+  std::uint64_t bytes_read = 0;
+  std::uint64_t prefetched = 0;  ///< pages that the thread read
+  std::uint64_t damaged = 0;     ///< pages that failed verification
+  std::uint64_t resident_bytes = 0, resident_bytes_max = 0;
+};
+
+/// The records of a terrain, read in pages through the store's verification under a hard byte
+/// budget. Thread contract: one thread at a time; the prefetch thread is its own affair.
+class RecordPages {
+ public:
+  struct Options {
+    Delta delta = Delta::Exact;
+    std::size_t budget_bytes = std::size_t{256} << 20U;  ///< of pages; at least one is held
+    Prefetch prefetch = Prefetch::On;
+  };
+  /// Memory beside the budget: 16 bytes for each 4 KiB of index space that has a page near it.
+  /// Throws: NotFound when the store lacks the segment (naming the command that adds it), Corrupt,
+  /// Limit for a terrain beyond Domain::kMaxLog2Cells. `terrain` must outlive it.
+  RecordPages(const store::Terrain& terrain, const Options& options);
+  ~RecordPages();
+  RecordPages(const RecordPages&) = delete;
+  RecordPages& operator=(const RecordPages&) = delete;
+
+  const Domain& domain() const { return domain_; }
+  /// The largest finite delta of the vertices of a depth, metres (METHODS 8.6).
+  double delta_max(int depth) const { return delta_max_[static_cast<std::size_t>(depth)]; }
+
+  /// Starts a frame: pages that the thread has read come in, and pointers from before may dangle.
+  void begin_frame();
+  /// The vertex's record; holds until the next begin_frame. Null when the page is damaged, not
+  /// resident under Defer (it is asked for), or the budget is full of pages touched in this frame.
+  /// Requires: index < domain().index_end(). Cost: a few ns for a resident page. Throws: nothing.
+  const Record* find(VertexIndex index, OnMissing on_missing) {
+    const std::uint64_t page = index >> kLog2PageRecords;
+    Entry& entry = leaves_[page >> kLog2LeafPages][page & (kLeafPages - 1)];
+    if (entry.frame != frame_) [[unlikely]]
+      if (!touch(page, entry, on_missing)) return nullptr;
+    return entry.records + (index & (kPageRecords - 1));
+  }
+  /// Page number of an index, for prefetch().
+  static std::uint64_t page_of(VertexIndex index) { return index >> kLog2PageRecords; }
+  /// Asks the thread for pages, most wanted first; replaces what was asked before. They come in at
+  /// the next begin_frame after they are read. Nothing under Prefetch::Off.
+  void prefetch(std::span<const std::uint64_t> pages);
+
+  const PageCounts& counts() const { return counts_; }
+
+ private:
+  /// A page of the index space. `frame` is the last frame that touched it.
+  struct Entry {
+    const Record* records = nullptr;
+    std::uint32_t frame = 0;
+    std::int32_t slot = -1;
+  };
+  static constexpr int kLog2LeafPages = 10;
+  static constexpr std::size_t kLeafPages = std::size_t{1} << kLog2LeafPages;
+  class Loader;
+
+  bool touch(std::uint64_t page, Entry& entry, OnMissing on_missing);
+
+  Domain domain_;
+  std::uint32_t frame_ = 1;
+  std::vector<Entry*> leaves_;
+  PageCounts counts_;
+  std::vector<double> delta_max_;
+  std::unique_ptr<Loader> loader_;  ///< last: its thread stops before what it fills goes
+};
+
+}  // namespace arete::lod::bintree
