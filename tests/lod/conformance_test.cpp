@@ -286,6 +286,85 @@ TEST_P(Conformance, LargerToleranceIsNotMoreTriangles) {
   }
 }
 
+// A cap between what the coarsest surface needs and `need`, often near the former.
+std::uint64_t random_cap(std::uint64_t least, std::uint64_t need, std::mt19937_64& random) {
+  const double share = std::pow(std::uniform_real_distribution<double>(0, 1)(random), 4);
+  return least + static_cast<std::uint64_t>(share * static_cast<double>(need - least));
+}
+
+TEST_P(Conformance, BudgetsHoldAndTheCoarserSurfaceKeepsItsBounds) {
+  const EngineInfo& info = find_engine(GetParam());
+  std::mt19937_64 random(5);
+  int capped = 0;
+  for (const Case& c : cases()) {
+    const BuiltTerrain terrain(c.dem(), {{"patch", "17"}});
+    const auto opened = terrain.open();
+    const auto engine = info.open(*opened, {{"patch", "17"}});
+    const Budget least = engine->footprint().least;
+    DrawList list;
+    mesh::Surface surface;
+    for (const View& view : views(terrain.dem(), 24)) {
+      RefineOptions options{.cull = random() % 2 == 0};
+      engine->refine(view, options, list);
+      const RefineStats free = list.stats;
+      options.budget = {
+          random_cap(least.triangles, std::max(free.triangles, least.triangles), random),
+          random_cap(least.vertex_bytes, std::max(free.resident_bytes, least.vertex_bytes),
+                     random)};
+      SCOPED_TRACE(fmt::format("{} eye {} {} {}: {} triangles, {} bytes", c.name, view.eye.x,
+                               view.eye.y, view.eye.z, options.budget.triangles,
+                               options.budget.vertex_bytes));
+      engine->refine(view, options, list);
+      EXPECT_LE(list.stats.triangles, options.budget.triangles);
+      EXPECT_LE(list.stats.resident_bytes, options.budget.vertex_bytes);
+      EXPECT_GE(list.stats.tolerance_px, free.tolerance_px);
+      EXPECT_LE(list.stats.achieved_error_px, list.stats.tolerance_px * (1 + 1e-4));
+      capped += list.stats.tolerance_px > free.tolerance_px ? 1 : 0;
+      mesh::flatten(list, *engine, surface);
+      const auto report =
+          mesh::check_surface(surface, terrain.dem(), options.cull ? &view : nullptr);
+      EXPECT_EQ(report.triangles, list.stats.triangles);
+      if (engine->claims(options).conforming) expect_conforming(report);
+      for (const DrawBatch& batch : list.batches) {
+        ASSERT_LE(measured_error(batch, *engine, terrain.dem()), batch.error * (1 + 1e-6) + 1e-3);
+      }
+      engine->refine(view, {}, list);  // the cap is of that frame alone
+      EXPECT_EQ(list.stats.tolerance_px, free.tolerance_px);
+    }
+  }
+  EXPECT_GT(capped, 40);  // the control: caps did bind
+}
+
+TEST_P(Conformance, AnySmallerBudgetIsKeptByALargerTolerance) {
+  const EngineInfo& info = find_engine(GetParam());
+  const BuiltTerrain terrain(rough_dem(257, 193, 1, 0), {{"patch", "17"}});
+  const auto opened = terrain.open();
+  const auto engine = info.open(*opened, {{"patch", "17"}});
+  const Footprint footprint = engine->footprint();
+  DrawList list;
+  for (const View& view : views(terrain.dem(), 5)) {
+    double tolerance = 0;
+    std::uint64_t before = 0;
+    for (double share = 1; share > 1e-3; share /= 1.7) {
+      RefineOptions options{.cull = false};
+      options.budget.triangles =
+          std::max(footprint.least.triangles, static_cast<std::uint64_t>(50'000 * share));
+      engine->refine(view, options, list);
+      EXPECT_GE(list.stats.tolerance_px, tolerance);
+      tolerance = list.stats.tolerance_px;
+      if (before > 0) {
+        EXPECT_LE(list.stats.triangles, before);
+      }
+      before = list.stats.triangles;
+    }
+    EXPECT_GT(tolerance, 1);
+  }
+  EXPECT_THROW(require_room(footprint, {.triangles = footprint.least.triangles - 1}, "t"), Error);
+  EXPECT_THROW(require_room(footprint, {.vertex_bytes = footprint.least.vertex_bytes - 1}, "t"),
+               Error);
+  require_room(footprint, footprint.least, "t");
+}
+
 std::vector<std::string_view> engine_names() {
   std::vector<std::string_view> names;
   for (const EngineInfo& engine : engines()) names.push_back(engine.name);

@@ -36,6 +36,7 @@ class ToyEngine : public lod::Engine {
     ++refines_;
   }
   lod::Claims claims(const lod::RefineOptions&) const override { return claimed; }
+  lod::Footprint footprint() const override { return {}; }
   std::span<const Vertex> vertices(BlockKey) const override { return {}; }
   std::span<const std::uint32_t> indices(BlockKey) const override { return {}; }
 

@@ -51,6 +51,9 @@ struct RefineStats {
   std::uint64_t resident_bytes = 0;      ///< vertex blocks that the engine holds
   std::uint64_t full_triangles = 0;      ///< what full resolution would draw in the same places
   double achieved_error_px = 0;          ///< bound over everything drawn; 0 when nothing is
+  /// The tolerance that the frame keeps: the one asked for, or a larger one where a budget asked
+  /// for it (`full`: 0 until then); infinite when no bound in pixels is left.
+  double tolerance_px = 0;
 };
 
 /// A range of an append-only block that is new since the last frame.

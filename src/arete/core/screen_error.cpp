@@ -37,7 +37,15 @@ double approach(const View& v, ErrorScale scale) {
 ScreenError::ScreenError(const View& view, double tolerance_px, ErrorScale scale)
     : alpha_(pixel_scale(view, scale)),
       approach_(approach(view, scale)),
-      slope_(tolerance_px / (alpha_ + approach_ * tolerance_px)) {}
+      slope_(tolerance_px / (alpha_ + approach_ * tolerance_px)),
+      near_m_(view.near_m) {}
+
+ScreenError ScreenError::coarser(double times) const {
+  ScreenError out = *this;
+  out.slope_ *= times;
+  if (times > kNearTimes) out.nearest_m_ = near_m_ * (std::pow(times / kNearTimes, kNearPower) - 1);
+  return out;
+}
 
 double ScreenError::pixels(double delta_m, double distance_m) const {
   if (delta_m <= 0) return 0;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "arete/core/view.h"
 
 namespace arete {
@@ -20,14 +22,21 @@ enum class ErrorScale {
 /// - delta, which is no bound when looking down with s > 1.
 class ScreenError {
  public:
+  static constexpr double kNearTimes = 8, kNearPower = 3;
+
   ScreenError(const View& view, double tolerance_px, ErrorScale scale = ErrorScale::Upright);
 
   double alpha() const { return alpha_; }
   /// The largest vertical error in metres that stays within the tolerance at distance D:
   /// tau D / (alpha + s tau), solved from alpha delta / (D - s delta) = tau.
-  double allowed_m(double distance_m) const { return slope_ * distance_m; }
-  /// allowed_m(1): metres per metre of distance.
-  double slope() const { return slope_; }
+  double allowed_m(double distance_m) const { return slope_ * std::max(distance_m, nearest_m_); }
+  /// The tolerance that allowed_m keeps at distance D and beyond; infinite when there is none.
+  double tolerance_px(double distance_m) const { return pixels(allowed_m(distance_m), distance_m); }
+  /// Allows `times` as much (at least 1) at every distance. Beyond kNearTimes also as if nothing
+  /// were nearer than a distance that grows from 0 without bound: so enough `times` allow any error
+  /// anywhere, even where the eye is inside a box. Moves allowed_m by at most
+  /// |d allowed| / allowed <= (1 + kNearPower) |d times| / times for distances that count.
+  ScreenError coarser(double times) const;
   /// The bound in pixels for an error of delta_m at distance D; infinite when s delta_m >= D.
   double pixels(double delta_m, double distance_m) const;
 
@@ -35,6 +44,8 @@ class ScreenError {
   double alpha_;
   double approach_;  ///< s
   double slope_;
+  double near_m_;         ///< the view's near plane
+  double nearest_m_ = 0;  ///< nearer is taken as this near
 };
 
 /// alpha in pixels per radian for the view; see ErrorScale.

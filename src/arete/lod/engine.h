@@ -24,11 +24,35 @@ using Params = std::map<std::string, std::string, std::less<>>;
 /// What to do about a tile that is not in memory: read it now, or draw coarser and ask for it.
 enum class OnMissing { Wait, Defer };
 
+/// Hard caps on one engine. Before one would break, frames are drawn with a larger tolerance
+/// (RefineStats::tolerance_px): the least, to 0.1 %, whose triangles and vertices fit.
+struct Budget {
+  static constexpr std::uint64_t kUnlimited = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t triangles = kUnlimited;  ///< drawn in a frame
+  /// Vertices that the engine holds, and hence that a list names; and indices, where they are made
+  /// for the view. Without a cap an engine keeps what the frame needs and a fair number more.
+  std::uint64_t vertex_bytes = kUnlimited;
+  friend bool operator==(const Budget&, const Budget&) = default;
+};
+
+/// What an opened method takes, whatever the view.
+struct Footprint {
+  std::uint64_t table_bytes = 0;  ///< in memory as long as it is open
+  std::uint64_t index_bytes = 0;  ///< of all index blocks that lists may name
+  std::uint64_t batches = 0;      ///< at most in a list
+  Budget least{0, 0};             ///< what the coarsest surface needs, nothing culled
+};
+
+/// Throws: Limit when not even the coarsest surface fits the budget, naming the terrain, the cap
+/// and the least that would do.
+void require_room(const Footprint& footprint, const Budget& budget, std::string_view terrain);
+
 struct RefineOptions {
   double tolerance_px = 1;
   ErrorScale scale = ErrorScale::Upright;
   OnMissing on_missing = OnMissing::Wait;
-  bool cull = true;  ///< drop what the frustum cannot see
+  bool cull = true;    ///< drop what the frustum cannot see
+  Budget budget = {};  ///< at least the engine's Footprint::least
 };
 
 /// What a method promises with the options that it was opened with; infinity = no promise.
@@ -48,7 +72,9 @@ class Engine : public BlockSource {
   /// Fills `out` for the view. The same view gives the same list unless the method's README says
   /// coherent. Never throws for missing or damaged tiles: they are drawn coarser and counted.
   virtual void refine(const View& view, const RefineOptions& options, DrawList& out) = 0;
+  /// Of frames whose RefineStats::tolerance_px is the options' tolerance.
   virtual Claims claims(const RefineOptions& options) const = 0;
+  virtual Footprint footprint() const = 0;
 };
 
 /// A row of the table of methods.

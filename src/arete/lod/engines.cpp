@@ -19,6 +19,21 @@ std::span<const EngineInfo> engines() {
   return kEngines;
 }
 
+void require_room(const Footprint& footprint, const Budget& budget, std::string_view terrain) {
+  if (budget.triangles < footprint.least.triangles) {
+    throw Error(ErrorCode::Limit,
+                fmt::format("{}: --triangles {}: the coarsest surface has {} triangles: allow at "
+                            "least that many",
+                            terrain, budget.triangles, footprint.least.triangles));
+  }
+  if (budget.vertex_bytes < footprint.least.vertex_bytes) {
+    throw Error(ErrorCode::Limit,
+                fmt::format("{}: {} bytes for vertices: the coarsest surface takes {}: allow at "
+                            "least that many",
+                            terrain, budget.vertex_bytes, footprint.least.vertex_bytes));
+  }
+}
+
 const EngineInfo& find_engine(std::string_view name) {
   std::string names;
   for (const EngineInfo& info : engines()) {

@@ -42,6 +42,7 @@ LevelField::LevelField(const PatchTable& table, double quantum_m)
   hat_side_.resize(n * kSides * knots_);
   slack_.resize(n);
   distance_.resize(n);
+  allowed_.resize(n);
   level_.resize(n);
   neighbours_.assign(n * kSides, -1);
   for (int p = 0; p < table.size(); ++p) {
@@ -59,13 +60,12 @@ LevelField::LevelField(const PatchTable& table, double quantum_m)
 }
 
 void LevelField::solve(glm::dvec3 eye, const ScreenError& error) {
-  slope_ = error.slope();
+  look_from(eye);
   for (int p = 0; p < table_.size(); ++p) {
     if (!table_.drawable(p)) continue;
     const auto i = static_cast<std::size_t>(p);
-    const glm::dvec3 nearest = glm::clamp(eye, table_.box_min(p), table_.box_max(p));
-    distance_[i] = glm::length(eye - nearest);
-    level_[i] = inverse(&hat_uniform_[i * knots_], knots_, allowed(i));
+    allowed_[i] = std::max(0.0, error.allowed_m(distance_[i]) - slack_[i]);
+    level_[i] = inverse(&hat_uniform_[i * knots_], knots_, allowed_[i]);
   }
   // Every constraint is monotone, so relaxing in any order ends at the same field; sweeping along
   // and against the rows settles most of it in two.
@@ -80,25 +80,20 @@ void LevelField::solve(glm::dvec3 eye, const ScreenError& error) {
   } while (changed_);
 }
 
-void LevelField::solve_full(glm::dvec3 eye) {
-  slope_ = 0;
+void LevelField::look_from(glm::dvec3 eye) {
+  if (eye == eye_) return;
+  eye_ = eye;
   for (int p = 0; p < table_.size(); ++p) {
     if (!table_.drawable(p)) continue;
-    const auto i = static_cast<std::size_t>(p);
     const glm::dvec3 nearest = glm::clamp(eye, table_.box_min(p), table_.box_max(p));
-    distance_[i] = glm::length(eye - nearest);
-    level_[i] = 0;
+    distance_[static_cast<std::size_t>(p)] = glm::length(eye - nearest);
   }
 }
 
 float LevelField::cap(int patch, Side q) const {
   const auto i = static_cast<std::size_t>(patch);
   return inverse(&hat_side_[(i * kSides + static_cast<std::size_t>(q)) * knots_], knots_,
-                 allowed(i));
-}
-
-double LevelField::allowed(std::size_t patch) const {
-  return std::max(0.0, slope_ * distance_[patch] - slack_[patch]);
+                 allowed_[i]);
 }
 
 // Constraint (1) between p and its neighbour n across p's side q, in both directions.
@@ -170,6 +165,12 @@ double LevelField::error(int patch) const {
         worst, at_level(table_.side(patch, q), knots_, level_[static_cast<std::size_t>(n)]));
   }
   return coarsest > 0 ? worst + slack_[i] : worst;  // level 0 is drawn as stored, to the bit
+}
+
+std::uint64_t LevelField::bytes() const {
+  return (hat_uniform_.size() + hat_side_.size() + level_.size()) * sizeof(float) +
+         (slack_.size() + distance_.size() + allowed_.size()) * sizeof(double) +
+         neighbours_.size() * sizeof(int);
 }
 
 }  // namespace arete::lod

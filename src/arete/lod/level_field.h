@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -30,10 +31,9 @@ class LevelField {
 
   explicit LevelField(const PatchTable& table, double quantum_m);
 
-  /// Solves (1) for the eye. Cost: O(patches), a few sweeps.
+  /// Solves (1) for the eye. Levels never fall when the tolerance grows. Cost: O(patches), a few
+  /// sweeps; distances are measured only when the eye has moved.
   void solve(glm::dvec3 eye, const ScreenError& error);
-  /// Every patch at level 0: the full-resolution reference.
-  void solve_full(glm::dvec3 eye);
   /// Raises levels so that no patch is finer than `floor_level[patch]` and neighbours still differ
   /// by at most 1 (tiles that are not there: the error grows, the surface stays conforming).
   void raise(std::span<const float> floor_level);
@@ -42,6 +42,7 @@ class LevelField {
   double distance(int patch) const { return distance_[static_cast<std::size_t>(patch)]; }
   /// Bound on |surface - height| of the patch, metres, for the levels as they are.
   double error(int patch) const;
+  std::uint64_t bytes() const;
   /// Sweeps that the last solve took.
   int sweeps() const { return sweeps_; }
 
@@ -50,16 +51,16 @@ class LevelField {
   void sweep_forward();
   void sweep_backward();
   float cap(int patch, Side q) const;
-  double allowed(std::size_t patch) const;
+  void look_from(glm::dvec3 eye);
 
   const PatchTable& table_;
   std::size_t knots_;
-  double slope_ = 0;
+  glm::dvec3 eye_{std::numeric_limits<double>::quiet_NaN()};
   int sweeps_ = 0;
   bool changed_ = false;
   std::vector<float> hat_uniform_, hat_side_;  ///< knots made to grow by kappa
   std::vector<double> slack_;  ///< metres that a vertex stage in float may add while it morphs
-  std::vector<double> distance_;
+  std::vector<double> distance_, allowed_;  ///< metres
   std::vector<float> level_;
   std::vector<int> neighbours_;  ///< kSides a patch, -1 = none
 };

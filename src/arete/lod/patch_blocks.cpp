@@ -109,9 +109,8 @@ BlockKey vertex_key(int level, int patch) {
 
 }  // namespace
 
-PatchBlocks::PatchBlocks(const store::Terrain& terrain, const PatchTable& table, Topology topology,
-                         std::size_t budget_bytes)
-    : terrain_(terrain), table_(table), topology_(topology), budget_(budget_bytes) {
+PatchBlocks::PatchBlocks(const store::Terrain& terrain, const PatchTable& table, Topology topology)
+    : terrain_(terrain), table_(table), topology_(topology) {
   const int w = table.log2_cells();
   levels_.resize(table.knots());
   index_lists_.resize(table.knots());
@@ -129,13 +128,30 @@ PatchBlocks::PatchBlocks(const store::Terrain& terrain, const PatchTable& table,
   counts_.resize(static_cast<std::size_t>((table.cells() + 1) * (table.cells() + 1)));
 }
 
+void PatchBlocks::set_cap(std::uint64_t vertex_bytes) {
+  if (vertex_bytes == cap_) return;
+  cap_ = vertex_bytes;
+  begin_use();
+  release_idle(0);
+}
+
+void PatchBlocks::begin_use() {
+  ++use_;
+  for (Level& level : levels_) level.tried = 0;
+  release_level_ = release_slot_ = 0;
+}
+
+void PatchBlocks::use(int patch, int level) {
+  Level& store = levels_[static_cast<std::size_t>(level)];
+  const int index = store.slot_of_patch[static_cast<std::size_t>(patch)];
+  if (index >= 0) store.slots[static_cast<std::size_t>(index)].used = use_;
+}
+
 BlockKey PatchBlocks::vertices(int patch, int level, OnMissing on_missing, RefineStats& stats) {
   Level& store = levels_[static_cast<std::size_t>(level)];
   int& index = store.slot_of_patch[static_cast<std::size_t>(patch)];
   if (index < 0) {
-    const int side = level_cells(level) + 1;
-    const auto posts = static_cast<std::size_t>(side * side);
-    const std::size_t taken = take_slot(store, posts);
+    const std::size_t taken = take_slot(store, vertex_bytes(level));
     Slot& slot = store.slots[taken];
     if (!fill(patch, level, on_missing, slot.vertices)) {
       store.free.push_back(taken);
@@ -144,58 +160,75 @@ BlockKey PatchBlocks::vertices(int patch, int level, OnMissing on_missing, Refin
     slot.patch = patch;
     index = static_cast<int>(taken);
     ++stats.built_blocks;
-    stats.bytes_built += posts * sizeof(Vertex);
+    stats.bytes_built += vertex_bytes(level);
   }
-  Slot& slot = store.slots[static_cast<std::size_t>(index)];
-  slot.used = frame_;
+  store.slots[static_cast<std::size_t>(index)].used = use_;
   return vertex_key(level, patch);
 }
 
-// A free slot, else a new one while the budget lasts, else one that neither this frame nor the last
-// used (the renderer may still show it). Only a frame that needs more than the budget outgrows it.
-std::size_t PatchBlocks::take_slot(Level& level, std::size_t posts) {
-  const std::size_t wanted = posts * sizeof(Vertex);
-  if (level.free.empty() && bytes_ + wanted > budget_) {
-    for (std::size_t tries = level.slots.size(); tries > 0; --tries) {
-      level.hand = (level.hand + 1) % level.slots.size();
-      Slot& slot = level.slots[level.hand];
-      if (slot.patch < 0 || !idle(slot)) continue;
-      level.slot_of_patch[static_cast<std::size_t>(slot.patch)] = -1;
-      slot.patch = -1;
-      return level.hand;
-    }
-    release_unused(wanted);
-  }
+// A free slot, else a new one while there is room, else one of the level that is not in use, else
+// the room of such ones of other levels. Without a cap, what is in use may outgrow the rest.
+std::size_t PatchBlocks::take_slot(Level& level, std::uint64_t bytes) {
   std::size_t index = level.slots.size();
-  if (level.free.empty()) {
-    level.slots.emplace_back();
-  } else {
+  if (!level.free.empty()) {
     index = level.free.back();
     level.free.pop_back();
+    return index;
   }
-  Slot& slot = level.slots[index];
-  if (slot.vertices.empty()) {
-    slot.vertices.resize(posts);
-    bytes_ += wanted;
+  if (bytes_ + bytes > most_bytes()) {
+    if (take_idle(level, index)) return index;
+    release_idle(bytes);
   }
+  assert(bytes_ + bytes <= cap_);
+  if (level.bare.empty()) {
+    level.slots.emplace_back();
+  } else {
+    index = level.bare.back();
+    level.bare.pop_back();
+  }
+  level.slots[index].vertices.resize(bytes / sizeof(Vertex));
+  bytes_ += bytes;
   return index;
 }
 
-void PatchBlocks::release_unused(std::size_t wanted_bytes) {
-  for (Level& level : levels_) {
-    for (std::size_t i = 0; i < level.slots.size(); ++i) {
-      if (bytes_ + wanted_bytes <= budget_) return;
-      Slot& slot = level.slots[i];
-      if (slot.vertices.empty() || (slot.patch >= 0 && !idle(slot))) continue;
-      if (slot.patch >= 0) {
-        level.slot_of_patch[static_cast<std::size_t>(slot.patch)] = -1;
-        slot.patch = -1;
-        level.free.push_back(i);
-      }
-      bytes_ -= slot.vertices.size() * sizeof(Vertex);
-      slot.vertices = {};
+bool PatchBlocks::take_idle(Level& level, std::size_t& index) {
+  while (level.tried < level.slots.size()) {
+    ++level.tried;
+    level.hand = (level.hand + 1) % level.slots.size();
+    Slot& slot = level.slots[level.hand];
+    if (slot.patch < 0 || slot.used == use_) continue;
+    level.slot_of_patch[static_cast<std::size_t>(slot.patch)] = -1;
+    slot.patch = -1;
+    index = level.hand;
+    return true;
+  }
+  return false;
+}
+
+// Within one use nothing falls idle, so the search goes on where it stopped; slots that a failed
+// fill set free behind it are taken first by the next block of their level.
+void PatchBlocks::release_idle(std::uint64_t wanted_bytes) {
+  for (; release_level_ < levels_.size(); ++release_level_, release_slot_ = 0) {
+    Level& level = levels_[release_level_];
+    for (; release_slot_ < level.slots.size(); ++release_slot_) {
+      if (bytes_ + wanted_bytes <= most_bytes()) return;
+      release(level, release_slot_);
     }
   }
+}
+
+void PatchBlocks::release(Level& level, std::size_t index) {
+  Slot& slot = level.slots[index];
+  if (slot.vertices.empty() || (slot.patch >= 0 && slot.used == use_)) return;
+  if (slot.patch >= 0) {
+    level.slot_of_patch[static_cast<std::size_t>(slot.patch)] = -1;
+    slot.patch = -1;
+  } else {
+    std::erase(level.free, index);
+  }
+  level.bare.push_back(index);
+  bytes_ -= slot.vertices.size() * sizeof(Vertex);
+  slot.vertices = {};
 }
 
 // A small terrain's pyramid ends before level w - 1, and coarse tiles of sparse land may hold no
@@ -256,6 +289,23 @@ std::uint64_t PatchBlocks::triangles(int level, unsigned side_mask) const {
   const auto n = static_cast<std::uint64_t>(level_cells(level));
   if (n == 1) return 2;
   return 2 * n * n - static_cast<std::uint64_t>(std::popcount(side_mask)) * (n / 2);
+}
+
+std::uint64_t PatchBlocks::vertex_bytes(int level) const {
+  const auto side = static_cast<std::uint64_t>(level_cells(level) + 1);
+  return side * side * sizeof(Vertex);
+}
+
+std::uint64_t PatchBlocks::index_bytes() const {
+  std::uint64_t count = 0;
+  for (const auto& lists : index_lists_) {
+    for (const auto& list : lists) count += list.size();
+  }
+  return count * sizeof(std::uint32_t);
+}
+
+std::uint64_t PatchBlocks::table_bytes() const {
+  return levels_.size() * static_cast<std::uint64_t>(table_.size()) * sizeof(int) + index_bytes();
 }
 
 std::span<const Vertex> PatchBlocks::vertex_span(BlockKey key) const {

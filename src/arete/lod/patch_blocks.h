@@ -29,15 +29,22 @@ void make_patch_vertices(const RtinSquare& square, std::span<const std::int32_t>
                          std::span<Vertex> out);
 
 /// Immutable vertex and index blocks of all patches, made on demand from the store's height pyramid
-/// and kept until the budget asks for their room. A key names (level, patch), so its content never
-/// changes. Slots are reused: no allocation once the path's blocks fit the budget.
+/// and kept until others need their room. A key names (level, patch), so its content never changes.
+/// Slots are reused: no allocation once the path's blocks fit.
 class PatchBlocks {
  public:
-  PatchBlocks(const store::Terrain& terrain, const PatchTable& table, Topology topology,
-              std::size_t budget_bytes);
+  static constexpr std::uint64_t kKeepBytes = std::uint64_t{256} << 20U;  ///< without a cap
 
-  void begin_frame() { ++frame_; }
-  /// Vertex block of the patch at the level, made if needed; kOwnBlock when its heights are
+  PatchBlocks(const store::Terrain& terrain, const PatchTable& table, Topology topology);
+
+  /// Most bytes of vertices to hold, Budget::kUnlimited = what is in use and up to kKeepBytes.
+  /// A change ends what is in use. Requires: room for what will be in use at once.
+  void set_cap(std::uint64_t vertex_bytes);
+  /// Nothing is in use any more: any block may make room for another.
+  void begin_use();
+  /// Takes the block into use if it is there: it stays until the next begin_use.
+  void use(int patch, int level);
+  /// Vertex block of the patch at the level, made if needed, in use; kOwnBlock when its heights are
   /// missing. Level w never fails: the table knows the corners.
   BlockKey vertices(int patch, int level, OnMissing on_missing, RefineStats& stats);
   /// The stored height tile that block (patch, level) is made from. Requires: level < w.
@@ -45,6 +52,9 @@ class PatchBlocks {
   BlockKey indices(int patch, int level, unsigned side_mask) const;
   std::uint32_t index_count(BlockKey indices_key) const;
   std::uint64_t triangles(int level, unsigned side_mask) const;
+  std::uint64_t vertex_bytes(int level) const;  ///< of a block
+  std::uint64_t index_bytes() const;            ///< of all index blocks
+  std::uint64_t table_bytes() const;
 
   std::span<const Vertex> vertex_span(BlockKey key) const;
   std::span<const std::uint32_t> index_span(BlockKey key) const;
@@ -53,18 +63,21 @@ class PatchBlocks {
  private:
   struct Slot {
     int patch = -1;
-    std::uint64_t used = 0;  ///< frame
+    std::uint64_t used = 0;  ///< use_ when it was last in use
     std::vector<Vertex> vertices;
   };
   struct Level {
     std::vector<int> slot_of_patch;
     std::vector<Slot> slots;
-    std::vector<std::size_t> free;  ///< slots without a patch
-    std::size_t hand = 0;           ///< where the search for a slot to reuse goes on
+    std::vector<std::size_t> free, bare;  ///< slots without a patch: with vertices, without
+    std::size_t hand = 0;                 ///< where the search for a slot to reuse goes on
+    std::size_t tried = 0;                ///< slots that it looked at since begin_use
   };
-  std::size_t take_slot(Level& level, std::size_t posts);
-  void release_unused(std::size_t wanted_bytes);
-  bool idle(const Slot& slot) const { return slot.used + 1 < frame_; }
+  std::size_t take_slot(Level& level, std::uint64_t bytes);
+  bool take_idle(Level& level, std::size_t& index);
+  void release_idle(std::uint64_t wanted_bytes);
+  void release(Level& level, std::size_t index);
+  std::uint64_t most_bytes() const { return cap_ == Budget::kUnlimited ? kKeepBytes : cap_; }
   bool fill(int patch, int level, OnMissing on_missing, std::span<Vertex> out);
   TileId tile_at(int patch, int stored) const;
   int level_cells(int level) const { return table_.cells() >> level; }
@@ -72,8 +85,9 @@ class PatchBlocks {
   const store::Terrain& terrain_;
   const PatchTable& table_;
   Topology topology_;
-  std::size_t budget_, bytes_ = 0;
-  std::uint64_t frame_ = 0;
+  std::uint64_t cap_ = Budget::kUnlimited;
+  std::uint64_t bytes_ = 0, use_ = 0;
+  std::size_t release_level_ = 0, release_slot_ = 0;  ///< where release_idle goes on
   std::vector<Level> levels_;
   std::vector<std::int32_t> counts_;  ///< scratch
   /// [level][side mask], and the two parities of level w at its masks 0 and 1.

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "arete/lod/culling.h"
+#include "arete/lod/least_fitting.h"
 
 namespace arete::lod {
 namespace {
@@ -19,13 +21,12 @@ struct Standing {
 
 }  // namespace
 
-PatchDrawer::PatchDrawer(const store::Terrain& terrain, int log2_cells, Topology topology,
-                         std::size_t budget_bytes)
+PatchDrawer::PatchDrawer(const store::Terrain& terrain, int log2_cells, Topology topology)
     : terrain_(terrain),
       world_from_post_(terrain.manifest().georef.world_from_post),
       table_(terrain, log2_cells),
       field_(table_, terrain.manifest().quantum_m),
-      blocks_(terrain, table_, topology, budget_bytes),
+      blocks_(terrain, table_, topology),
       topology_(topology) {
   visible_.reserve(static_cast<std::size_t>(table_.size()));
   keys_.reserve(static_cast<std::size_t>(table_.size()));
@@ -39,10 +40,40 @@ PatchDrawer::PatchDrawer(const store::Terrain& terrain, int log2_cells, Topology
   }
 }
 
-void PatchDrawer::draw(const View& view, const RefineOptions& options, const ScreenError& error,
-                       DrawList& out) {
-  blocks_.begin_frame();
-  find_visible(view, options, out.stats);
+Footprint PatchDrawer::footprint() const {
+  std::uint64_t drawable = 0;
+  for (int p = 0; p < table_.size(); ++p) drawable += table_.drawable(p) ? 1U : 0U;
+  const std::uint64_t scratch =
+      static_cast<std::uint64_t>(table_.size()) * (sizeof(int) + sizeof(BlockKey) + sizeof(float));
+  return {.table_bytes = table_.bytes() + field_.bytes() + blocks_.table_bytes() + scratch,
+          .index_bytes = blocks_.index_bytes(),
+          .batches = drawable,
+          .least = {.triangles = 2 * drawable, .vertex_bytes = 4 * sizeof(Vertex) * drawable}};
+}
+
+double PatchDrawer::excess(const Budget& budget) const {
+  std::uint64_t triangles = 0;
+  std::uint64_t bytes = 0;
+  const int w = table_.log2_cells();
+  for (const int p : visible_) {
+    const int level = Standing(field_.level(p), w).level;
+    triangles += blocks_.triangles(level, side_mask(p));
+    bytes += blocks_.vertex_bytes(level);
+  }
+  const auto ratio = [](std::uint64_t need, std::uint64_t cap) {
+    return static_cast<double>(need) / static_cast<double>(std::max<std::uint64_t>(cap, 1));
+  };
+  return std::log(
+      std::max({ratio(triangles, budget.triangles), ratio(bytes, budget.vertex_bytes), 1e-300}));
+}
+
+double PatchDrawer::nearest_m() const {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const int p : visible_) nearest = std::min(nearest, field_.distance(p));
+  return nearest;
+}
+
+void PatchDrawer::draw(const RefineOptions& options, const ScreenError& error, DrawList& out) {
   fetch_blocks(options, out.stats);
   for (std::size_t k = 0; k < visible_.size(); ++k) emit(visible_[k], keys_[k], error, out);
   out.stats.resident_bytes = blocks_.resident_bytes();
@@ -76,6 +107,7 @@ void PatchDrawer::find_visible(const View& view, const RefineOptions& options, R
 // at most w times (level w is always there).
 void PatchDrawer::fetch_blocks(const RefineOptions& options, RefineStats& stats) {
   wanted_.clear();
+  blocks_.set_cap(options.budget.vertex_bytes);
   if (fetch_missing(options, stats)) {
     std::ranges::fill(floor_level_, 0.0F);
     do {
@@ -99,6 +131,9 @@ bool PatchDrawer::fetch_missing(const RefineOptions& options, RefineStats& stats
   bool missing = false;
   keys_.clear();
   const int w = table_.log2_cells();
+  // First what is there: it must not make room for what is not.
+  blocks_.begin_use();
+  for (const int p : visible_) blocks_.use(p, Standing(field_.level(p), w).level);
   for (const int p : visible_) {
     const int level = Standing(field_.level(p), w).level;
     keys_.push_back(blocks_.vertices(p, level, options.on_missing, stats));
@@ -108,6 +143,19 @@ bool PatchDrawer::fetch_missing(const RefineOptions& options, RefineStats& stats
     wanted_.push_back(blocks_.tile_of(p, level));
   }
   return missing;
+}
+
+// A side stands at the coarser of its two patches.
+unsigned PatchDrawer::side_mask(int p) const {
+  const int w = table_.log2_cells();
+  const int level = Standing(field_.level(p), w).level;
+  unsigned mask = 0;
+  for (const Side q : kAllSides) {
+    const int n = table_.neighbour(p, q);
+    if (n >= 0 && Standing(field_.level(n), w).level > level)
+      mask |= 1U << static_cast<unsigned>(q);
+  }
+  return mask;
 }
 
 // Factors by the edge rule (METHODS S4): a side stands at the coarser of its two patches.
@@ -139,6 +187,48 @@ void PatchDrawer::emit(int p, BlockKey vertices, const ScreenError& error, DrawL
   out.stats.full_triangles += std::uint64_t{2} << (2U * static_cast<unsigned>(w));
   out.stats.achieved_error_px =
       std::max(out.stats.achieved_error_px, error.pixels(batch.error, field_.distance(p)));
+}
+
+Claims field_claims(const RefineOptions& options, double tolerance_px) {
+  // An angle is not a distance in the image: under Angular the bound holds on a sphere only.
+  const bool in_pixels = options.scale != ErrorScale::Angular;
+  const double none = std::numeric_limits<double>::infinity();
+  return {.conforming = true,
+          .error_px = in_pixels || tolerance_px == 0 ? tolerance_px : none,
+          .pop_px = 2 * tolerance_px * LevelField::kKappa / (LevelField::kKappa - 1),
+          .error_angular_px = in_pixels && tolerance_px > 0 ? none : tolerance_px};
+}
+
+// "All tessellation levels are calculated first, without creating the resulting geometry, and then
+// each patch is informed about its neighbours' levels" [Wagner2003, "Connecting Patches"].
+void PatchEngine::set_levels(glm::dvec3 eye, const ScreenError& error) {
+  drawer_.field().solve(eye, error);
+}
+
+void PatchEngine::refine(const View& view, const RefineOptions& options, DrawList& out) {
+  out.clear();
+  drawer_.find_visible(view, options, out.stats);
+  const ScreenError error = coarsen(view, options, out.stats);
+  drawer_.draw(options, error, out);
+}
+
+// Sets the field: as asked, or with the least tolerance that fits the budget.
+ScreenError PatchEngine::coarsen(const View& view, const RefineOptions& options,
+                                 RefineStats& stats) {
+  constexpr double kLeastPx = 0x1p-20;  // "every post" has no tolerance to multiply
+  const double asked_px = finest_px(options);
+  ScreenError used(view, asked_px, options.scale);
+  const ScreenError base(view, std::max(asked_px, kLeastPx), options.scale);
+  stats.tolerance_px = asked_px;
+  const auto excess = [&](double log_times) {
+    if (log_times > 0) used = base.coarser(std::exp(log_times));
+    set_levels(view.eye, used);
+    stats.evaluated_vertices += static_cast<std::uint64_t>(drawer_.table().size());
+    return drawer_.excess(options.budget);
+  };
+  if (least_fitting(std::ref(excess)) > 0)
+    stats.tolerance_px = used.tolerance_px(drawer_.nearest_m());
+  return used;
 }
 
 }  // namespace arete::lod

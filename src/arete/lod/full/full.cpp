@@ -10,15 +10,14 @@ class FullEngine final : public PatchEngine {
  public:
   using PatchEngine::PatchEngine;
 
-  void refine(const View& view, const RefineOptions& options, DrawList& out) override {
-    out.clear();
-    drawer_.field().solve_full(view.eye);
-    drawer_.draw(view, options, ScreenError(view, options.tolerance_px, options.scale), out);
+  // Level 0 everywhere is the reference itself: no error, no motion. Under a budget it is drawn as
+  // any patch method would (RefineStats::tolerance_px > 0), and so are its claims.
+  Claims claims(const RefineOptions& options) const override {
+    return field_claims(options, options.budget == Budget{} ? 0 : options.tolerance_px);
   }
-  // Level 0 everywhere is the reference itself: no error, no motion.
-  Claims claims(const RefineOptions&) const override {
-    return {.conforming = true, .error_px = 0, .pop_px = 0, .error_angular_px = 0};
-  }
+
+ protected:
+  double finest_px(const RefineOptions&) const override { return 0; }
 };
 
 }  // namespace
@@ -30,10 +29,9 @@ void preprocess(const store::Terrain& terrain, store::Writers& writers, const Bu
 }
 
 std::unique_ptr<Engine> open(const store::Terrain& terrain, const Params& params) {
-  check_names(params, {"patch", "blocks"});
+  check_names(params, {"patch"});
   const int w = parse_patch(param(params, "patch", "auto"), terrain.manifest());
-  const auto mib = static_cast<std::size_t>(int_param(params, "blocks", 1024, {1, 1 << 20}));
-  return std::make_unique<FullEngine>(terrain, w, Topology::Triangles, mib << 20U);
+  return std::make_unique<FullEngine>(terrain, w, Topology::Triangles);
 }
 
 }  // namespace arete::lod::full

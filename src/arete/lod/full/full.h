@@ -4,7 +4,7 @@
 
 namespace arete::lod::full {
 
-/// Patch size and vertex budget; Params "patch" (posts a side or auto) and "blocks" (MiB).
+/// Params: "patch" (posts a side or auto).
 void preprocess(const store::Terrain&, store::Writers&, const BuildContext&, const Params&);
 std::unique_ptr<Engine> open(const store::Terrain&, const Params&);
 

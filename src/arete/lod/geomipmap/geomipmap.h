@@ -7,7 +7,6 @@ namespace arete::lod::geomipmap {
 /// Wagner's geomorphing geomipmaps in exact form [Wagner2003; METHODS 7]. Params:
 ///   patch     posts a side: 9, 17 (the paper's), 33, 65, 129 or auto
 ///   topology  list or strip (the paper's: one strip a patch, degenerate joins)
-///   blocks    MiB of vertex blocks to keep
 void preprocess(const store::Terrain&, store::Writers&, const BuildContext&, const Params&);
 std::unique_ptr<Engine> open(const store::Terrain&, const Params&);
 

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <functional>
+
+namespace arete::lod {
+
+/// The least x >= 0, to within kFitStep, with excess(x) <= 0, for an excess that never grows with x
+/// and is log(need / cap), so that a step of its own size is a fair guess. Its last call was with
+/// the result. Gives kMostCoarse when nothing up to there fits. Depends on the excess alone, not
+/// on earlier searches. Cost: some eight calls.
+double least_fitting(const std::function<double(double)>& excess);
+
+inline constexpr double kFitStep = 1e-3;
+inline constexpr double kMostCoarse = 100;
+
+}  // namespace arete::lod
