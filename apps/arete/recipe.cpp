@@ -83,22 +83,8 @@ store::BuildOptions options_of(const Recipe& recipe, const fs::path& store, Exis
   return options;
 }
 
-/// Prints the notes that were not told yet, and counts them as told.
-void print_notes(const HeightSource& source, std::vector<std::string>& told) {
-  for (const std::string& note : source.georef().notes) {
-    if (std::ranges::find(told, note) == told.end()) {
-      fmt::print(stderr, "note: {}\n", note);
-      told.push_back(note);
-    }
-  }
-}
-
 void run_build(const Recipe& recipe, const fs::path& store, Existing existing, Talk talk) {
   const std::unique_ptr<HeightSource> source = raster::open_dem(recipe.dems, recipe.dem);
-  std::vector<std::string> told;
-  if (talk == Talk::Normal) {
-    print_notes(*source, told);
-  }
   std::unique_ptr<RasterSource> drape;
   if (!recipe.drape.empty()) {
     drape = raster::open_drape(recipe.drape, source->cols(), source->rows(), source->georef());
@@ -109,7 +95,10 @@ void run_build(const Recipe& recipe, const fs::path& store, Existing existing, T
   options.drape = drape.get();
   store::build(*source, options, context);
   if (talk == Talk::Normal) {
-    print_notes(*source, told);  // some are known only once all rows are read
+    // Only now: some notes are known when all rows are read, and a failure says one line alone.
+    for (const std::string& note : source->georef().notes) {
+      fmt::print(stderr, "note: {}\n", note);
+    }
   }
 }
 

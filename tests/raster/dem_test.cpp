@@ -377,6 +377,17 @@ TEST_F(DemTest, RawFilesBySideOrBySize) {
   EXPECT_EQ(code_of({dir_ / "none.r16"}), ErrorCode::NotFound);
 }
 
+TEST_F(DemTest, OptionsThatAFormatHasNoUseForAreUsageErrors) {
+  write_text(dir_ / "a.r16", "1234");
+  EXPECT_EQ(code_of({dir_ / "a.r16"}, {.band = 1}), ErrorCode::Usage);
+  EXPECT_EQ(code_of({dir_ / "a.r16"}, {.encoding = Encoding::Terrarium}), ErrorCode::Usage);
+  EXPECT_EQ(code_of({dir_ / "a.r16"}, {.source_crs = "EPSG:4326"}), ErrorCode::Usage);
+  write_grid(dir_ / "a.tif", {});
+  EXPECT_EQ(code_of({dir_ / "a.tif"}, {.raw_size = {{4, 3}}}), ErrorCode::Usage);
+  convert(dir_ / "a.tif", dir_ / "a.png", "PNG");
+  EXPECT_EQ(code_of({dir_ / "a.png"}, {.source_crs = "EPSG:4326"}), ErrorCode::InvalidInput);
+}
+
 TEST_F(DemTest, OtherFormatsGiveTheSamePosts) {
   GridFile grid{.cols = 20, .rows = 10, .nodata = -9999};
   grid.values.clear();
@@ -417,6 +428,15 @@ TEST_F(DemTest, SideFilesOfEhdrAreFound) {
   EXPECT_EQ(dem->georef().crs_from_post.apply(0, 0), glm::dvec2(100, 200));
   EXPECT_EQ(code_of({dir_ / "a.hdr"}), ErrorCode::Unsupported);
   EXPECT_THAT(text_, HasSubstr("side file"));
+  write_text(dir_ / "lone.flt", "1234");
+  EXPECT_EQ(code_of({dir_ / "lone.flt"}), ErrorCode::Unsupported);
+  EXPECT_THAT(text_, HasSubstr("put lone.hdr beside it"));
+}
+
+TEST_F(DemTest, AHeaderBesideAPictureDoesNotMakeItRawSamples) {
+  write_text(dir_ / "a.pgm", "P5\n3 2\n255\nabcdef");
+  write_text(dir_ / "a.hdr", "ENVI\nsamples = 3\nlines = 2\nbands = 1\ndata type = 1\n");
+  EXPECT_THAT(read_all(*open_dem({dir_ / "a.pgm"})), ElementsAre('a', 'b', 'c', 'd', 'e', 'f'));
 }
 
 TEST_F(DemTest, ZippedDemOpensIfItIsTheOnlyOne) {

@@ -228,7 +228,7 @@ TEST_F(FenceTest, S3HugeBlocksAreRefusedBeforeMemoryIsTaken) {
 TEST_F(FenceTest, S5ByReferenceFilesAndOddNamesAreRefused) {
   write_text(dir_ / "dem.tif", raw_vrt());
   EXPECT_EQ(careless_read(dir_ / "dem.tif").front(), 'Z') << "negative control";
-  EXPECT_NE(refusal(dir_ / "dem.tif").find("not readable"), std::string::npos);
+  EXPECT_NE(refusal(dir_ / "dem.tif").find("no DEM format"), std::string::npos);
   for (const std::string& name :
        {raw_vrt(), std::string("/vsicurl/http://127.0.0.1:1/x.tif"), std::string("/vsimem/x.tif"),
         std::string("http://127.0.0.1:1/x.tif"), "/vsizip/" + (dir_ / "a.zip").native(),
@@ -289,6 +289,14 @@ TEST_F(FenceTest, Hdf5ExternalStorageIsRefused) {
   H5Lcreate_external((dir_ / "own.nc").c_str(), "/z", file, "z", H5P_DEFAULT, H5P_DEFAULT);
   H5Fclose(file);
   EXPECT_NE(refusal(dir_ / "link.nc").find("other files"), std::string::npos);
+}
+
+// netCDF would read its samples, but neither its place nor that its first row is the southern one.
+TEST_F(FenceTest, BagsAreRefused) {
+  const hid_t file = H5Fcreate((dir_ / "a.bag").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  H5Gclose(H5Gcreate2(file, "BAG_root", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  H5Fclose(file);
+  EXPECT_NE(refusal(dir_ / "a.bag").find("a BAG"), std::string::npos);
 }
 
 TEST_F(FenceTest, NothingReachesStderr) {

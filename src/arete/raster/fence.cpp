@@ -15,6 +15,7 @@
 #include "arete/core/error.h"
 #include "arete/raster/container.h"
 #include "arete/raster/hdf5_check.h"
+#include "arete/raster/why_unreadable.h"
 
 namespace arete::raster {
 namespace {
@@ -24,20 +25,22 @@ namespace fs = std::filesystem;
 constexpr std::int64_t kMaxBlockBytes = std::int64_t{64} << 20;
 
 constexpr std::array kDemDrivers = {
-    "GTiff", "SRTMHGT", "DTED", "USGSDEM", "AAIGrid", "EHdr", "ENVI",     "HFA",   "PNG", "netCDF",
-    "GTX",   "GSAG",    "GSBG", "GS7BG",   "PDS",     "PDS4", "Terragen", "ISIS3", "PNM"};
+    "GTiff", "SRTMHGT", "DTED",  "USGSDEM", "AAIGrid", "HFA",      "PNG",   "PNM",  "netCDF", "GTX",
+    "GSAG",  "GSBG",    "GS7BG", "PDS",     "PDS4",    "Terragen", "ISIS3", "EHdr", "ENVI"};
 constexpr std::array kPictureDrivers = {"GTiff", "PNG", "JPEG", "HFA", "PNM", "ENVI", "EHdr"};
 
+// GDAL asks the drivers in this order. Last come those that a header beside the file is enough for:
+// before the others they would take any picture with one for raw samples.
 void register_drivers() {
   GDALRegister_GTiff();
   GDALRegister_SRTMHGT();
   GDALRegister_DTED();
   GDALRegister_USGSDEM();
   GDALRegister_AAIGrid();
-  GDALRegister_EHdr();
-  GDALRegister_ENVI();
   GDALRegister_HFA();
   GDALRegister_PNG();
+  GDALRegister_JPEG();
+  GDALRegister_PNM();
   GDALRegister_netCDF();
   GDALRegister_GTX();
   GDALRegister_GSAG();
@@ -47,8 +50,8 @@ void register_drivers() {
   GDALRegister_PDS();
   GDALRegister_PDS4();
   GDALRegister_ISIS3();
-  GDALRegister_PNM();
-  GDALRegister_JPEG();
+  GDALRegister_EHdr();
+  GDALRegister_ENVI();
 }
 
 // Set explicitly, because an environment variable of the same name would count otherwise.
@@ -187,16 +190,8 @@ std::string display_name(const fs::path& file) {
 namespace {
 
 [[noreturn]] void throw_unreadable(const fs::path& path, const Messages& messages) {
-  const std::string name = display_name(path);
-  const std::string extension = path.extension().native();
-  if (extension == ".hdr" || extension == ".prj") {
-    throw Error(ErrorCode::Unsupported,
-                fmt::format("{}: a side file: name the data file beside it", name));
-  }
   throw Error(ErrorCode::Unsupported,
-              fmt::format("{}: not readable ({}): convert it to GeoTIFF, or fetch it again if it "
-                          "is one",
-                          name, messages.text("no driver knows this format")));
+              fmt::format("{}: {}", display_name(path), why_unreadable(path, messages.text({}))));
 }
 
 }  // namespace
@@ -213,7 +208,7 @@ Dataset open_fenced(const fs::path& file, Purpose purpose, std::string* note) {
     beside = CPLStringList();
     beside.AddString(fs::path(name).filename().c_str());
   }
-  refuse_external_storage(path);
+  check_hdf5(path);
   Dataset dataset = open_with(name, purpose, beside.List());
   if (!dataset || path.extension() == ".prj") throw_unreadable(path, messages);
   check_references(*dataset, path);
@@ -233,8 +228,9 @@ void check_shape(GDALDataset& dataset, int max_side, const std::string& name) {
   const int cols = dataset.GetRasterXSize();
   const int rows = dataset.GetRasterYSize();
   if (cols < 1 || rows < 1 || cols > max_side || rows > max_side) {
-    throw Error(ErrorCode::Limit, fmt::format("{}: {} x {} samples: at most {} a side are read",
-                                              name, cols, rows, max_side));
+    throw Error(ErrorCode::Limit,
+                fmt::format("{}: {} x {} samples, over {} a side: cut it into parts", name, cols,
+                            rows, max_side));
   }
   for (int i = 1; i <= dataset.GetRasterCount(); ++i) {
     GDALRasterBand& band = *dataset.GetRasterBand(i);

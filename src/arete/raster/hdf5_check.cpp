@@ -66,7 +66,7 @@ herr_t look_everywhere(hid_t file) {
 
 }  // namespace
 
-void refuse_external_storage(const std::filesystem::path& path) {
+void check_hdf5(const std::filesystem::path& path) {
   const Silence silence;
   if (H5Fis_hdf5(path.c_str()) <= 0) return;
   const std::string name = path.filename().string();
@@ -74,6 +74,12 @@ void refuse_external_storage(const std::filesystem::path& path) {
   const herr_t found = file.good() ? look_everywhere(file.get()) : -1;
   if (found < 0) {
     throw Error(ErrorCode::InvalidInput, fmt::format("{}: damaged HDF5: fetch it again", name));
+  }
+  if (H5Lexists(file.get(), "BAG_root", H5P_DEFAULT) > 0) {
+    throw Error(ErrorCode::Unsupported,
+                fmt::format("{}: a BAG, whose place is not read: convert it to GeoTIFF "
+                            "(gdal_translate)",
+                            name));
   }
   if (found != kGoOn) {
     throw Error(

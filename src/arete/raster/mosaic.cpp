@@ -217,9 +217,10 @@ std::unique_ptr<HeightSource> make_mosaic(std::vector<std::unique_ptr<DemFile>> 
   const std::int64_t cols = std::int64_t{all.col1} - all.col0;
   const std::int64_t rows = std::int64_t{all.row1} - all.row0;
   if (cols > max_side || rows > max_side) {
-    throw Error(ErrorCode::Limit,
-                fmt::format("{}: with the others {} x {} posts: at most {} a side", first.name(),
-                            cols, rows, max_side));
+    throw Error(
+        ErrorCode::Limit,
+        fmt::format("{}: with the others {} x {} posts, over {} a side: build fewer at once",
+                    first.name(), cols, rows, max_side));
   }
   for (Member& member : members) {
     PostRect& rect = member.rect;

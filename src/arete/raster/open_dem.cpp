@@ -40,8 +40,8 @@ int pick_band(GDALDataset& dataset, const DemOptions& options, const std::string
               std::vector<std::string>& notes) {
   const int count = dataset.GetRasterCount();
   if (options.band < 0 || options.band > count) {
-    throw Error(ErrorCode::InvalidInput,
-                fmt::format("{}: no band {}: it has {}", name, options.band, count));
+    throw Error(ErrorCode::InvalidInput, fmt::format("{}: no band {}: name one of its {} (--band)",
+                                                     name, options.band, count));
   }
   if (options.band == 0 && count > 1) {
     notes.push_back(fmt::format("The file has {} bands: band 1 was read.", count));
@@ -91,6 +91,12 @@ Dataset reopen_dataset(const fs::path& file, const std::vector<int>& bands, Shap
 std::unique_ptr<DemFile> open_gdal(const fs::path& file, const DemOptions& options,
                                    std::size_t buffer_bytes) {
   const std::string name = display_name(file);
+  if (options.raw_size) {
+    throw Error(
+        ErrorCode::Usage,
+        fmt::format("{}: says its size itself: leave out --size, which is for .r16 and .r32",
+                    name));
+  }
   std::string note;
   Dataset dataset = open_fenced(file, Purpose::Dem, &note);
   const Messages messages;
@@ -140,8 +146,17 @@ std::pair<int, int> raw_shape(const fs::path& file, const DemOptions& options, i
   return {static_cast<int>(cols), static_cast<int>(rows)};
 }
 
+void refuse_options_of_formats(const fs::path& file, const DemOptions& options) {
+  if (options.band == 0 && options.encoding == Encoding::None && options.source_crs.empty()) return;
+  throw Error(ErrorCode::Usage,
+              fmt::format("{}: raw samples have one band, no colours and no place: leave out "
+                          "--band, --encoding and --source-crs",
+                          display_name(file)));
+}
+
 std::unique_ptr<DemFile> open_raw(const fs::path& file, const DemOptions& options,
                                   std::size_t buffer_bytes) {
+  refuse_options_of_formats(file, options);
   const bool integer = file.extension() == ".r16";
   const int sample_bytes = integer ? 2 : 4;
   DemFile::Parts parts;
@@ -189,7 +204,7 @@ std::unique_ptr<HeightSource> open_dem(const std::vector<fs::path>& files,
   raise_fence();
   std::unique_ptr<HeightSource> source = open_posts(files, options);
   if (options.crs.empty()) return source;
-  return reproject(std::move(source), options.crs, options.max_side);
+  return reproject(std::move(source), display_name(files.front()), options);
 }
 
 }  // namespace arete::raster

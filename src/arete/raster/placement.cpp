@@ -215,6 +215,12 @@ Placement place(GDALDataset& dataset, const std::string& source_crs, const std::
   Placement placement;
   Georef& georef = placement.georef;
   const auto affine = pixel_centres(dataset);
+  if (!affine && !source_crs.empty()) {
+    throw Error(ErrorCode::InvalidInput,
+                fmt::format("{}: does not say where its posts lie, in no CRS: leave out "
+                            "--source-crs, or place it (gdal_translate -a_ullr)",
+                            name));
+  }
   if (!affine) {
     georef = unit_georef();
     placement.located = false;

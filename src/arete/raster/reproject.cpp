@@ -134,13 +134,13 @@ float sample(const std::vector<const float*>& rows, int first_row, glm::dvec2 at
 
 class Reprojected final : public HeightSource {
  public:
-  Reprojected(std::unique_ptr<HeightSource> source, const Grid& grid, Georef georef)
+  Reprojected(std::unique_ptr<HeightSource> source, const Grid& grid, Georef georef,
+              const std::string& name)
       : source_(std::move(source)),
         grid_(grid),
         georef_(std::move(georef)),
         map_({grid.crs_from_post, georef_.crs},
-             {source_->georef().crs_from_post, source_->georef().crs}, source_->description(),
-             kTolerancePosts),
+             {source_->georef().crs_from_post, source_->georef().crs}, name, kTolerancePosts),
         cache_(*source_),
         strip_(static_cast<std::size_t>(grid.cols) * kStripRows) {}
 
@@ -229,10 +229,9 @@ class Reprojected final : public HeightSource {
 }  // namespace
 
 std::unique_ptr<HeightSource> reproject(std::unique_ptr<HeightSource> source,
-                                        const std::string& crs, int max_side) {
-  const std::string name = source->description();
+                                        const std::string& name, const DemOptions& options) {
   const Georef from = source->georef();
-  const OGRSpatialReference target = parse_crs(crs, name);
+  const OGRSpatialReference target = parse_crs(options.crs, name);
   if (from.crs.empty()) {
     throw Error(ErrorCode::InvalidInput,
                 fmt::format("{}: names no CRS to reproject from: name --source-crs", name));
@@ -246,15 +245,16 @@ std::unique_ptr<HeightSource> reproject(std::unique_ptr<HeightSource> source,
       cover(extent(outward, source->cols(), source->rows()), source->cols(), source->rows());
   if (grid.cols < 1) {
     throw Error(ErrorCode::InvalidInput,
-                fmt::format("{}: lies outside of {}: name another --crs", name, crs));
+                fmt::format("{}: lies outside of {}: name another --crs", name, options.crs));
   }
-  if (grid.cols > max_side || grid.rows > max_side) {
-    throw Error(ErrorCode::Limit, fmt::format("{}: {} x {} posts in {}: at most {} a side", name,
-                                              grid.cols, grid.rows, crs, max_side));
+  if (grid.cols > options.max_side || grid.rows > options.max_side) {
+    throw Error(ErrorCode::Limit,
+                fmt::format("{}: {} x {} posts in {}, over {} a side: reproject it in parts", name,
+                            grid.cols, grid.rows, options.crs, options.max_side));
   }
   georef.crs_from_post = grid.crs_from_post;
   fill_world(georef, grid.cols, grid.rows, &target);
-  return std::make_unique<Reprojected>(std::move(source), grid, std::move(georef));
+  return std::make_unique<Reprojected>(std::move(source), grid, std::move(georef), name);
 }
 
 }  // namespace arete::raster

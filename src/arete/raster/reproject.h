@@ -4,14 +4,15 @@
 #include <string>
 
 #include "arete/core/height_source.h"
+#include "arete/raster/dem.h"
 
 namespace arete::raster {
 
-/// The source on a north-up grid of `crs` ("EPSG:N"), square posts about as dense as its own,
+/// The source on a north-up grid of options.crs, square posts about as dense as its own,
 /// bilinear; a post is valid where the nearest of the source is. The source itself when it is in
-/// that CRS already. Memory: 256 MiB of the source's rows and 64 rows of the result. Throws:
-/// InvalidInput, Limit.
+/// that CRS already. `name` is for messages. Memory: 256 MiB of the source's rows and 64 rows of
+/// the result. Throws: InvalidInput, Limit.
 std::unique_ptr<HeightSource> reproject(std::unique_ptr<HeightSource> source,
-                                        const std::string& crs, int max_side);
+                                        const std::string& name, const DemOptions& options);
 
 }  // namespace arete::raster

@@ -116,7 +116,8 @@ class HeightsBuild {
     if (!try_import()) {
       import_.lattice = scan_for_lattice(source_, builder_.context());
       if (!try_import())
-        throw Error(ErrorCode::InvalidInput, "import: heights changed while they were read");
+        throw Error(ErrorCode::InvalidInput,
+                    source_.description() + ": changed while it was read: build it again");
     }
     for (int y = 0; y < shape_.tiles_y(0); ++y) {
       const auto summary =

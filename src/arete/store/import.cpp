@@ -157,13 +157,14 @@ class BandReader {
 };
 
 // Buffers for all threads and one to read into, within half the memory limit.
-std::size_t buffer_count(int cols, const BuildContext& context) {
+std::size_t buffer_count(const HeightSource& source, const BuildContext& context) {
+  const int cols = source.cols();
   constexpr std::size_t kLeast = 2;
   const std::size_t fit = context.memory_limit / 2 / band_bytes(cols);
   if (fit < kLeast)
     throw Error(ErrorCode::Limit,
-                fmt::format("import: {} columns need a memory limit of {} MiB: raise it", cols,
-                            (2 * kLeast * band_bytes(cols) >> 20U) + 1));
+                fmt::format("{}: its rows need a memory limit of {} MiB: raise --memory-limit",
+                            source.description(), (2 * kLeast * band_bytes(cols) >> 20U) + 1));
   return std::clamp(static_cast<std::size_t>(std::max(context.threads, 1)) + 1, kLeast, fit);
 }
 
@@ -174,7 +175,7 @@ bool import_bands(HeightSource& source, const Lattice& lattice, int fill_cell_po
   const PyramidShape shape{source.cols(), source.rows()};
   StepProgress progress(context, "import", shape.tiles_y(0));
   BandReader reader(source, lattice);
-  BandQueue queue(context.threads, buffer_count(shape.cols, context), [&](const SourceBand& band) {
+  BandQueue queue(context.threads, buffer_count(source, context), [&](const SourceBand& band) {
     units.make(band.y, [&](UnitWriter& unit) { store_band(shape, fill_cell_posts, band, unit); });
   });
   for (int y = 0; y < shape.tiles_y(0); ++y) {
