@@ -83,15 +83,11 @@ inline std::array<float, kFactorCount> factors(const Levels& levels, int w, int&
   return f;
 }
 
-/// Height of the drawn patch at every post, row-major: brute force, triangle by triangle.
-inline std::vector<double> drawn_heights(const RandomPatch& patch, const Levels& levels) {
-  int level = 0;
-  unsigned mask = 0;
-  const auto f = factors(levels, patch.w(), level, mask);
-  const RtinSquare square{(1 << patch.w()) >> level, patch.odd()};
-  const auto vertices = patch.vertices(level);
-  const auto triangles = rtin_triangles(square, level == patch.w() ? 0 : mask);
-  std::vector<double> z(static_cast<std::size_t>(patch.posts() * patch.posts()), std::nan(""));
+/// Heights of drawn triangles at every post of a patch, row-major: brute force.
+inline std::vector<double> heights_of(const std::vector<Vertex>& vertices,
+                                      const std::vector<std::uint32_t>& triangles,
+                                      const std::array<float, kFactorCount>& f, int posts) {
+  std::vector<double> z(static_cast<std::size_t>(posts * posts), std::nan(""));
   for (std::size_t t = 0; t < triangles.size(); t += 3) {
     const Vertex& a = vertices[triangles[t]];
     const Vertex& b = vertices[triangles[t + 1]];
@@ -103,16 +99,26 @@ inline std::vector<double> drawn_heights(const RandomPatch& patch, const Levels&
       return static_cast<double>((q.col - p.col) * (row - p.row) - (q.row - p.row) * (col - p.col));
     };
     const double area = cross(a.post, b.post, c.post.col, c.post.row);
-    for (int row = 0; row < patch.posts(); ++row) {
-      for (int col = 0; col < patch.posts(); ++col) {
+    for (int row = 0; row < posts; ++row) {
+      for (int col = 0; col < posts; ++col) {
         const double u = cross(b.post, c.post, col, row) / area;
         const double v = cross(c.post, a.post, col, row) / area;
         if (u < 0 || v < 0 || u + v > 1) continue;
-        z[static_cast<std::size_t>(row * patch.posts() + col)] = u * za + v * zb + (1 - u - v) * zc;
+        z[static_cast<std::size_t>(row * posts + col)] = u * za + v * zb + (1 - u - v) * zc;
       }
     }
   }
   return z;
+}
+
+/// Height of the drawn patch at every post.
+inline std::vector<double> drawn_heights(const RandomPatch& patch, const Levels& levels) {
+  int level = 0;
+  unsigned mask = 0;
+  const auto f = factors(levels, patch.w(), level, mask);
+  const RtinSquare square{(1 << patch.w()) >> level, patch.odd()};
+  return heights_of(patch.vertices(level), rtin_triangles(square, level == patch.w() ? 0 : mask), f,
+                    patch.posts());
 }
 
 }  // namespace arete::lod

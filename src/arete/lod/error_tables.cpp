@@ -128,9 +128,10 @@ double strip_two(const SideFrame& f, int cells, int s) {
   return result;
 }
 
-// Worst residual over the closed cell of side s at (col, row), split by its RTIN diagonal.
-double cell_residual(const PatchHeights& h, int col, int row, int s, bool falls) {
-  const std::ptrdiff_t origin = row * h.stride + col;
+}  // namespace
+
+double cell_residual(const PatchHeights& h, Post first, int s, Diagonal diagonal) {
+  const std::ptrdiff_t origin = first.row * h.stride + first.col;
   const auto at = [&](int c, int r) -> double { return h.counts[origin + r * h.stride + c]; };
   const double nw = at(0, 0);
   const double ne = at(s, 0);
@@ -143,7 +144,7 @@ double cell_residual(const PatchHeights& h, int col, int row, int s, bool falls)
       const std::uint8_t* counted = h.counted == nullptr ? nullptr : h.counted + i + c0;
       result = std::max(result, worst({h.counts + i + c0, counted, 1, c1 - c0 + 1, at0, step}, s));
     };
-    if (falls) {  // NW-SE: below it NW, SW, SE; above it NW, NE, SE
+    if (diagonal == Diagonal::Falls) {  // NW-SE: below it NW, SW, SE; above it NW, NE, SE
       part(0, r, s * nw + (sw - nw) * r, se - sw);
       part(r, s, s * nw + (ne - nw) * r + (se - ne) * r, ne - nw);
     } else {  // NE-SW: above it NW, NE, SW; below it NE, SW, SE
@@ -153,8 +154,6 @@ double cell_residual(const PatchHeights& h, int col, int row, int s, bool falls)
   }
   return result / s;
 }
-
-}  // namespace
 
 PatchErrors patch_errors(const PatchHeights& h) {
   const int w = h.log2_cells;
@@ -169,7 +168,8 @@ PatchErrors patch_errors(const PatchHeights& h) {
     const RtinSquare square{cells / s, h.odd};
     for (int j = 0; j < square.cells; ++j) {
       for (int i = 0; i < square.cells; ++i) {
-        const double r = cell_residual(h, i * s, j * s, s, diagonal_falls(square, i, j));
+        const Diagonal diagonal = diagonal_falls(square, i, j) ? Diagonal::Falls : Diagonal::Rises;
+        const double r = cell_residual(h, {i * s, j * s}, s, diagonal);
         e.uniform[level] = std::max(e.uniform[level], r);
         const std::array<bool, kSides> in_band{i < 2, j < 2, i >= square.cells - 2,
                                                j >= square.cells - 2};

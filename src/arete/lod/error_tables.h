@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "arete/core/post.h"
 #include "arete/lod/rtin.h"
 
 namespace arete::lod {
@@ -46,5 +47,11 @@ struct PatchErrors {
 };
 
 PatchErrors patch_errors(const PatchHeights& heights);
+
+enum class Diagonal { Falls, Rises };  ///< NW to SE, NE to SW
+
+/// Maximum of |surface - height| in counts over the counted posts of the closed square of `size`
+/// cells a side whose NW post is `first`, drawn as two triangles.
+double cell_residual(const PatchHeights& heights, Post first, int size, Diagonal diagonal);
 
 }  // namespace arete::lod

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -52,7 +53,7 @@ class PatchTable {
 
  private:
   static std::size_t at(int patch) { return static_cast<std::size_t>(patch); }
-  void read_unit(std::span<const std::byte> bytes, int first_row);
+  void read(int patch, const std::byte* record);
 
   int w_, cols_, rows_;
   double quantum_ = 0, offset_ = 0;

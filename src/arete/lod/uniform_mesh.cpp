@@ -1,0 +1,250 @@
+#include "arete/lod/uniform_mesh.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cstddef>
+
+namespace arete::lod {
+namespace {
+
+// A position in the patch: i east, j south.
+struct At {
+  int i, j;
+};
+
+// `along` runs on side q eastward or southward, `depth` away from it.
+At on_side(Side q, int cells, int along, int depth) {
+  switch (q) {
+    case West:
+      return {depth, along};
+    case North:
+      return {along, depth};
+    case East:
+      return {cells - depth, along};
+    default:
+      return {along, cells - depth};
+  }
+}
+
+class TriangleWriter {
+ public:
+  TriangleWriter(int cells, const SideDrops& drops) : n_(cells), drops_(drops) {
+    out_.reserve(3 * uniform_triangle_count(cells, drops));
+  }
+
+  std::vector<std::uint32_t> run() {
+    // Columns northwards: the order in which cells with this diagonal form a strip.
+    for (int i = 0; i < n_; ++i) {
+      for (int j = n_ - 1; j >= 0; --j) add_cell(i, j);
+    }
+    for (const Side q : kAllSides) {
+      if (adapted(q)) add_band(q);
+    }
+    return std::move(out_);
+  }
+
+ private:
+  bool adapted(Side q) const { return drops_[static_cast<std::size_t>(q)] != 0; }
+
+  void add_cell(int i, int j) {
+    const At nw{i, j};
+    const At ne{i + 1, j};
+    const At sw{i, j + 1};
+    const At se{i + 1, j + 1};
+    const bool beside_row = i == 0 || i == n_ - 1;
+    const bool beside_column = j == 0 || j == n_ - 1;
+    const bool row_adapted = beside_row && adapted(i == 0 ? West : East);
+    const bool column_adapted = beside_column && adapted(j == 0 ? North : South);
+    if (!row_adapted && !column_adapted) {
+      add(sw, se, nw);
+      add(nw, se, ne);
+    } else if (beside_row && beside_column && row_adapted != column_adapted) {
+      add_half_corner(i, j, row_adapted);
+    }
+  }
+
+  // A corner cell of which one side's band takes a half: the other half remains, cut from the
+  // patch's corner whatever the diagonals elsewhere.
+  void add_half_corner(int i, int j, bool row_adapted) {
+    const At corner{i == 0 ? 0 : n_, j == 0 ? 0 : n_};
+    const At inner{i == 0 ? 1 : n_ - 1, j == 0 ? 1 : n_ - 1};
+    add(corner, inner, row_adapted ? At{inner.i, corner.j} : At{corner.i, inner.j});
+  }
+
+  // From corner to corner: each kept post fans over the inner posts nearest to it.
+  void add_band(Side q) {
+    const int step = 1 << drops_[static_cast<std::size_t>(q)];
+    const auto outer = [&](int along) { return on_side(q, n_, along, 0); };
+    const auto inner = [&](int along) { return on_side(q, n_, along, 1); };
+    int next = 1;
+    for (int a = 0; a <= n_; a += step) {
+      const int last = std::min(a + step / 2, n_ - 1);
+      for (; next < last; ++next) add(outer(a), inner(next), inner(next + 1));
+      if (a < n_) add(outer(a), inner(last), outer(a + step));
+    }
+  }
+
+  void add(At a, At b, At c) {
+    // Rows run south: counter-clockwise seen from above is clockwise in (i, j).
+    const int cross = (b.i - a.i) * (c.j - a.j) - (b.j - a.j) * (c.i - a.i);
+    assert(cross != 0);
+    if (cross > 0) std::swap(b, c);
+    for (const At p : {a, b, c}) out_.push_back(local_vertex({n_}, p.i, p.j));
+  }
+
+  int n_;
+  const SideDrops& drops_;
+  std::vector<std::uint32_t> out_;
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> uniform_triangles(int cells, const SideDrops& drops) {
+  assert(std::ranges::all_of(drops, [&](int drop) { return (1 << drop) <= cells; }));
+  return TriangleWriter(cells, drops).run();
+}
+
+std::uint64_t uniform_triangle_count(int cells, const SideDrops& drops) {
+  const auto n = static_cast<std::uint64_t>(cells);
+  std::uint64_t count = 2 * n * n;
+  for (const unsigned drop : drops) count -= n - (n >> drop);
+  return count;
+}
+
+std::vector<std::uint32_t> strip_in_order(std::span<const std::uint32_t> triangles) {
+  std::vector<std::uint32_t> strip;
+  strip.reserve(2 * triangles.size());
+  for (std::size_t t = 0; t < triangles.size(); t += 3) {
+    const std::span<const std::uint32_t> corner = triangles.subspan(t, 3);
+    const std::size_t n = strip.size();
+    std::size_t shared = 3;
+    if (n >= 3) {
+      // The next triangle of a strip is (n-2, n-1, new), turned over at odd places.
+      const std::uint32_t from = strip[n - (n % 2 == 0 ? 2 : 1)];
+      const std::uint32_t to = strip[n - (n % 2 == 0 ? 1 : 2)];
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (corner[k] == from && corner[(k + 1) % 3] == to) shared = k;
+      }
+    }
+    if (shared < 3) {
+      strip.push_back(corner[(shared + 2) % 3]);
+      continue;
+    }
+    if (n > 0) {
+      strip.insert(strip.end(), {strip.back(), corner[0]});
+      if (strip.size() % 2 != 0) strip.push_back(corner[0]);  // the parity of the winding
+    }
+    strip.insert(strip.end(), corner.begin(), corner.end());
+  }
+  return strip;
+}
+
+namespace {
+
+// A height that moves with a side's factor, in counts: base + t delta.
+struct Moving {
+  double base = 0, delta = 0;
+};
+
+class VertexWriter {
+ public:
+  VertexWriter(const LevelPosts& posts, const SideDrops& drops, const store::Manifest& lattice)
+      : posts_(posts), n_(posts.cells), drops_(drops), lattice_(lattice) {}
+
+  Vertex make(int i, int j) const {
+    Vertex v;
+    v.post = {posts_.origin.col + (i << posts_.level), posts_.origin.row + (j << posts_.level)};
+    v.z = static_cast<float>(lattice_.offset_m + lattice_.quantum_m * at({i, j}));
+    const bool on_row = i == 0 || i == n_;
+    const bool on_column = j == 0 || j == n_;
+    if (on_row && on_column) return v;  // corners stand still
+    if (on_row) move_side(i == 0 ? West : East, j, v);
+    if (on_column) move_side(j == 0 ? North : South, i, v);
+    if (!on_row && !on_column && (i % 2 != 0 || j % 2 != 0)) move_inside(i, j, v);
+    return v;
+  }
+
+ private:
+  double at(At p) const { return posts_.counts[local_vertex({n_}, p.i, p.j)]; }
+  float metres(double counts) const { return static_cast<float>(counts * lattice_.quantum_m); }
+
+  void move_side(Side q, int along, Vertex& v) const {
+    const double delta = kept(q, along).delta;
+    if (delta == 0) return;
+    v.dz[0] = metres(delta);
+    v.slot[0] = UniformSlot::side(q);
+  }
+
+  // A post that the side keeps: it leaves with the side's next level when that is its own.
+  Moving kept(Side q, int along) const {
+    const int drop = drops_[static_cast<std::size_t>(q)];
+    const double h = at(on_side(q, n_, along, 0));
+    if (along == 0 || along == n_ || std::countr_zero(static_cast<unsigned>(along)) != drop)
+      return {h, 0};
+    const int step = 1 << drop;
+    const double ends = at(on_side(q, n_, along - step, 0)) + at(on_side(q, n_, along + step, 0));
+    return {h, ends / 2 - h};
+  }
+
+  // Where the side stands beside any of its posts.
+  Moving side_height(Side q, int along) const {
+    const int step = 1 << drops_[static_cast<std::size_t>(q)];
+    const int rest = along % step;
+    if (rest == 0) return kept(q, along);
+    const Moving a = kept(q, along - rest);
+    const Moving b = kept(q, along - rest + step);
+    const double share = static_cast<double>(rest) / step;
+    return {a.base + share * (b.base - a.base), a.delta + share * (b.delta - a.delta)};
+  }
+
+  // "This vertex has to move into the middle position between" left and right, top-left and
+  // bottom-right, or top and bottom [Wagner2003, cases A, B, C].
+  void move_inside(int i, int j, Vertex& v) const {
+    const int di = i % 2;
+    const int dj = j % 2;
+    double target = 0;
+    std::size_t k = 1;
+    for (const At p : {At{i - di, j - dj}, At{i + di, j + dj}}) {
+      const Moving parent = parent_height(p, k, v);
+      target += (parent.base + parent.delta) / 2;
+    }
+    v.dz[0] = metres(target - at({i, j}));
+    v.slot[0] = UniformSlot::kInterior;
+  }
+
+  Moving parent_height(At p, std::size_t& k, Vertex& v) const {
+    const bool on_row = p.i == 0 || p.i == n_;
+    const bool on_column = p.j == 0 || p.j == n_;
+    if (on_row == on_column) return {at(p), 0};  // inside, or a corner
+    const Side row_side = p.i == 0 ? West : East;
+    const Side column_side = p.j == 0 ? North : South;
+    const Side q = on_row ? row_side : column_side;
+    const Moving parent = side_height(q, on_row ? p.j : p.i);
+    if (parent.delta != 0) {
+      // tI (target at tL = 1) + (1 - tL) tI (-delta / 2)
+      v.dz[k] = metres(-parent.delta / 2);
+      v.slot[k] = UniformSlot::both(q);
+      ++k;
+    }
+    return parent;
+  }
+
+  const LevelPosts& posts_;
+  int n_;
+  const SideDrops& drops_;
+  const store::Manifest& lattice_;
+};
+
+}  // namespace
+
+void uniform_vertices(const LevelPosts& posts, const SideDrops& drops,
+                      const store::Manifest& lattice, std::span<Vertex> out) {
+  const VertexWriter writer(posts, drops, lattice);
+  for (int j = 0; j <= posts.cells; ++j) {
+    for (int i = 0; i <= posts.cells; ++i)
+      out[local_vertex({posts.cells}, i, j)] = writer.make(i, j);
+  }
+}
+
+}  // namespace arete::lod
