@@ -7,8 +7,8 @@
 
 #include "arete/core/draw_list.h"
 #include "arete/lod/error_tables.h"
-#include "arete/lod/patch_blocks.h"
 #include "arete/lod/rtin.h"
+#include "arete/lod/rtin_mesh.h"
 
 namespace arete::lod {
 

@@ -52,7 +52,7 @@ struct UniformPatch {
     store::Manifest lattice;
     lattice.quantum_m = 1;
     std::vector<Vertex> out(counts.size());
-    uniform_vertices({counts, cells(), level(), {0, 0}}, drops(), lattice, out);
+    uniform_vertices({counts, cells(), level(), {0, 0}, false}, drops(), lattice, out);
     return out;
   }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "arete/core/screen_error.h"
+#include "arete/lod/patch_field.h"
 #include "arete/lod/patch_table.h"
 
 namespace arete::lod {
@@ -25,7 +26,7 @@ namespace arete::lod {
 /// of settling and can jump. (1) is monotone in lambda with constants that depend on the eye only:
 /// the greatest solution is unique, reached by relaxing in any order, and moves no faster than
 /// lambda* and c do: knots grow by kappa, so |d lambda| <= kappa/(kappa-1) |da|/a.
-class LevelField {
+class LevelField final : public PatchField {
  public:
   static constexpr double kKappa = 1.5;  ///< least growth of errors from level to level
 
@@ -36,13 +37,12 @@ class LevelField {
   void solve(glm::dvec3 eye, const ScreenError& error);
   /// Raises levels so that no patch is finer than `floor_level[patch]` and neighbours still differ
   /// by at most 1 (tiles that are not there: the error grows, the surface stays conforming).
-  void raise(std::span<const float> floor_level);
+  void raise(std::span<const float> floor_level) override;
 
-  float level(int patch) const { return level_[static_cast<std::size_t>(patch)]; }
-  double distance(int patch) const { return distance_[static_cast<std::size_t>(patch)]; }
-  /// Bound on |surface - height| of the patch, metres, for the levels as they are.
-  double error(int patch) const;
-  std::uint64_t bytes() const;
+  float level(int patch) const override { return level_[static_cast<std::size_t>(patch)]; }
+  double distance(int patch) const override { return distance_[static_cast<std::size_t>(patch)]; }
+  double error(int patch) const override;
+  std::uint64_t bytes() const override;
   /// Sweeps that the last solve took.
   int sweeps() const { return sweeps_; }
 

@@ -1,41 +1,30 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "arete/core/draw_list.h"
 #include "arete/lod/engine.h"
+#include "arete/lod/patch_mesh.h"
 #include "arete/lod/patch_table.h"
 #include "arete/store/terrain.h"
 
 namespace arete::lod {
 
-/// Where each factor of a batch stands (METHODS 7.3, DESIGN 3): the nine of [Wagner2003] in product
-/// form, with the side factor told apart by whether the side stands at the patch's own level (a) or
-/// one coarser (b); c = tI b.
-struct PatchSlot {
-  static constexpr std::uint8_t kInterior = 0;
-  static std::uint8_t own(Side q) { return static_cast<std::uint8_t>(1 + q); }
-  static std::uint8_t coarser(Side q) { return static_cast<std::uint8_t>(5 + q); }
-  static std::uint8_t product(Side q) { return static_cast<std::uint8_t>(9 + q); }
-};
-
-/// Fills the vertices of a patch standing at a level, from the counts of its (cells + 1)^2 posts of
-/// that level: positions, and what each factor moves them by.
-void make_patch_vertices(const RtinSquare& square, std::span<const std::int32_t> counts,
-                         Post origin, int level, const store::Manifest& lattice,
-                         std::span<Vertex> out);
-
 /// Immutable vertex and index blocks of all patches, made on demand from the store's height pyramid
-/// and kept until others need their room. A key names (level, patch), so its content never changes.
-/// Slots are reused: no allocation once the path's blocks fit.
+/// and kept until others need their room. A key names what it holds, so its content never changes:
+/// (level, patch, the mesh's variant), of which one variant is kept. Slots are reused: no
+/// allocation once the path's blocks fit.
 class PatchBlocks {
  public:
   static constexpr std::uint64_t kKeepBytes = std::uint64_t{256} << 20U;  ///< without a cap
 
-  PatchBlocks(const store::Terrain& terrain, const PatchTable& table, Topology topology);
+  PatchBlocks(const store::Terrain& terrain, const PatchTable& table,
+              std::unique_ptr<const PatchMesh> mesh);
+
+  const PatchMesh& mesh() const { return *mesh_; }
 
   /// Most bytes of vertices to hold, Budget::kUnlimited = what is in use and up to kKeepBytes.
   /// A change ends what is in use. Requires: room for what will be in use at once.
@@ -44,16 +33,18 @@ class PatchBlocks {
   void begin_use();
   /// Takes the block into use if it is there: it stays until the next begin_use.
   void use(int patch, int level);
-  /// Vertex block of the patch at the level, made if needed, in use; kOwnBlock when its heights are
+  /// Vertex block of the patch as it stands, made if needed, in use; kOwnBlock when its heights are
   /// missing. Level w never fails: the table knows the corners.
-  BlockKey vertices(int patch, int level, OnMissing on_missing, RefineStats& stats);
+  BlockKey vertices(int patch, const PatchStanding& standing, OnMissing on_missing,
+                    RefineStats& stats);
   /// The stored height tile that block (patch, level) is made from. Requires: level < w.
   TileId tile_of(int patch, int level) const;
-  BlockKey indices(int patch, int level, unsigned side_mask) const;
+  /// Index block of a patch that stands so, made if needed.
+  BlockKey indices(const PatchStanding& standing);
   std::uint32_t index_count(BlockKey indices_key) const;
-  std::uint64_t triangles(int level, unsigned side_mask) const;
+  std::uint64_t triangles(const PatchStanding& standing) const;
   std::uint64_t vertex_bytes(int level) const;  ///< of a block
-  std::uint64_t index_bytes() const;            ///< of all index blocks
+  std::uint64_t index_bytes() const;            ///< most that all index blocks may take
   std::uint64_t table_bytes() const;
 
   std::span<const Vertex> vertex_span(BlockKey key) const;
@@ -63,6 +54,7 @@ class PatchBlocks {
  private:
   struct Slot {
     int patch = -1;
+    unsigned variant = 0;
     std::uint64_t used = 0;  ///< use_ when it was last in use
     std::vector<Vertex> vertices;
   };
@@ -78,20 +70,20 @@ class PatchBlocks {
   void release_idle(std::uint64_t wanted_bytes);
   void release(Level& level, std::size_t index);
   std::uint64_t most_bytes() const { return cap_ == Budget::kUnlimited ? kKeepBytes : cap_; }
-  bool fill(int patch, int level, OnMissing on_missing, std::span<Vertex> out);
+  void keep_indices(int level, unsigned variant);
+  bool fill(int patch, const PatchStanding& standing, OnMissing on_missing, std::span<Vertex> out);
   TileId tile_at(int patch, int stored) const;
   int level_cells(int level) const { return table_.cells() >> level; }
 
   const store::Terrain& terrain_;
   const PatchTable& table_;
-  Topology topology_;
+  std::unique_ptr<const PatchMesh> mesh_;
   std::uint64_t cap_ = Budget::kUnlimited;
   std::uint64_t bytes_ = 0, use_ = 0;
   std::size_t release_level_ = 0, release_slot_ = 0;  ///< where release_idle goes on
   std::vector<Level> levels_;
-  std::vector<std::int32_t> counts_;  ///< scratch
-  /// [level][side mask], and the two parities of level w at its masks 0 and 1.
-  std::vector<std::array<std::vector<std::uint32_t>, 16>> index_lists_;
+  std::vector<std::int32_t> counts_;                                  ///< scratch
+  std::vector<std::vector<std::vector<std::uint32_t>>> index_lists_;  ///< [level][variant]
 };
 
 }  // namespace arete::lod

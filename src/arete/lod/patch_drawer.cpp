@@ -9,25 +9,12 @@
 #include "arete/lod/least_fitting.h"
 
 namespace arete::lod {
-namespace {
-
-// A continuous level as the integer level drawn and the share of the way to the next coarser.
-struct Standing {
-  int level;
-  float t;
-  Standing(float lambda, int w)
-      : level(std::min(static_cast<int>(lambda), w)), t(lambda - static_cast<float>(level)) {}
-};
-
-}  // namespace
-
-PatchDrawer::PatchDrawer(const store::Terrain& terrain, int log2_cells, Topology topology)
+PatchDrawer::PatchDrawer(const store::Terrain& terrain, int log2_cells,
+                         std::unique_ptr<const PatchMesh> mesh)
     : terrain_(terrain),
       world_from_post_(terrain.manifest().georef.world_from_post),
       table_(terrain, log2_cells),
-      field_(table_, terrain.manifest().quantum_m),
-      blocks_(terrain, table_, topology),
-      topology_(topology) {
+      blocks_(terrain, table_, std::move(mesh)) {
   visible_.reserve(static_cast<std::size_t>(table_.size()));
   keys_.reserve(static_cast<std::size_t>(table_.size()));
   floor_level_.assign(static_cast<std::size_t>(table_.size()), 0);
@@ -40,25 +27,24 @@ PatchDrawer::PatchDrawer(const store::Terrain& terrain, int log2_cells, Topology
   }
 }
 
-Footprint PatchDrawer::footprint() const {
+Footprint PatchDrawer::footprint(const PatchField& field) const {
   std::uint64_t drawable = 0;
   for (int p = 0; p < table_.size(); ++p) drawable += table_.drawable(p) ? 1U : 0U;
   const std::uint64_t scratch =
       static_cast<std::uint64_t>(table_.size()) * (sizeof(int) + sizeof(BlockKey) + sizeof(float));
-  return {.table_bytes = table_.bytes() + field_.bytes() + blocks_.table_bytes() + scratch,
+  return {.table_bytes = table_.bytes() + field.bytes() + blocks_.table_bytes() + scratch,
           .index_bytes = blocks_.index_bytes(),
           .batches = drawable,
           .least = {.triangles = 2 * drawable, .vertex_bytes = 4 * sizeof(Vertex) * drawable}};
 }
 
-double PatchDrawer::excess(const Budget& budget) const {
+double PatchDrawer::excess(const PatchField& field, const Budget& budget) const {
   std::uint64_t triangles = 0;
   std::uint64_t bytes = 0;
-  const int w = table_.log2_cells();
   for (const int p : visible_) {
-    const int level = Standing(field_.level(p), w).level;
-    triangles += blocks_.triangles(level, side_mask(p));
-    bytes += blocks_.vertex_bytes(level);
+    const PatchStanding at = standing(field, p);
+    triangles += blocks_.triangles(at);
+    bytes += blocks_.vertex_bytes(at.own.level);
   }
   const auto ratio = [](std::uint64_t need, std::uint64_t cap) {
     return static_cast<double>(need) / static_cast<double>(std::max<std::uint64_t>(cap, 1));
@@ -67,15 +53,16 @@ double PatchDrawer::excess(const Budget& budget) const {
       std::max({ratio(triangles, budget.triangles), ratio(bytes, budget.vertex_bytes), 1e-300}));
 }
 
-double PatchDrawer::nearest_m() const {
+double PatchDrawer::nearest_m(const PatchField& field) const {
   double nearest = std::numeric_limits<double>::infinity();
-  for (const int p : visible_) nearest = std::min(nearest, field_.distance(p));
+  for (const int p : visible_) nearest = std::min(nearest, field.distance(p));
   return nearest;
 }
 
-void PatchDrawer::draw(const RefineOptions& options, const ScreenError& error, DrawList& out) {
-  fetch_blocks(options, out.stats);
-  for (std::size_t k = 0; k < visible_.size(); ++k) emit(visible_[k], keys_[k], error, out);
+void PatchDrawer::draw(PatchField& field, const RefineOptions& options, const ScreenError& error,
+                       DrawList& out) {
+  fetch_blocks(field, options, out.stats);
+  for (std::size_t k = 0; k < visible_.size(); ++k) emit(field, k, error, out);
   out.stats.resident_bytes = blocks_.resident_bytes();
 }
 
@@ -105,19 +92,20 @@ void PatchDrawer::find_visible(const View& view, const RefineOptions& options, R
 
 // One pass suffices unless heights are missing; then levels rise and coarser blocks are asked for,
 // at most w times (level w is always there).
-void PatchDrawer::fetch_blocks(const RefineOptions& options, RefineStats& stats) {
+void PatchDrawer::fetch_blocks(PatchField& field, const RefineOptions& options,
+                               RefineStats& stats) {
   wanted_.clear();
   blocks_.set_cap(options.budget.vertex_bytes);
-  if (fetch_missing(options, stats)) {
+  if (fetch_missing(field, options, stats)) {
     std::ranges::fill(floor_level_, 0.0F);
     do {
       for (std::size_t k = 0; k < visible_.size(); ++k) {
         if (keys_[k] != kOwnBlock) continue;
         const int p = visible_[k];
-        floor_level_[static_cast<std::size_t>(p)] = std::floor(field_.level(p)) + 1;
+        floor_level_[static_cast<std::size_t>(p)] = std::floor(field.level(p)) + 1;
       }
-      field_.raise(floor_level_);
-    } while (fetch_missing(options, stats));
+      field.raise(floor_level_);
+    } while (fetch_missing(field, options, stats));
   }
   if (options.on_missing != OnMissing::Defer) return;
   // Coarse tiles first: they are few, and better the picture soonest.
@@ -127,66 +115,54 @@ void PatchDrawer::fetch_blocks(const RefineOptions& options, RefineStats& stats)
   terrain_.prefetch(wanted_);
 }
 
-bool PatchDrawer::fetch_missing(const RefineOptions& options, RefineStats& stats) {
+bool PatchDrawer::fetch_missing(const PatchField& field, const RefineOptions& options,
+                                RefineStats& stats) {
   bool missing = false;
   keys_.clear();
   const int w = table_.log2_cells();
   // First what is there: it must not make room for what is not.
   blocks_.begin_use();
-  for (const int p : visible_) blocks_.use(p, Standing(field_.level(p), w).level);
+  for (const int p : visible_) blocks_.use(p, Standing(field.level(p), w).level);
   for (const int p : visible_) {
-    const int level = Standing(field_.level(p), w).level;
-    keys_.push_back(blocks_.vertices(p, level, options.on_missing, stats));
+    const PatchStanding at = standing(field, p);
+    keys_.push_back(blocks_.vertices(p, at, options.on_missing, stats));
     if (keys_.back() != kOwnBlock) continue;
     missing = true;
     ++stats.late_blocks;
-    wanted_.push_back(blocks_.tile_of(p, level));
+    wanted_.push_back(blocks_.tile_of(p, at.own.level));
   }
   return missing;
 }
 
-// A side stands at the coarser of its two patches.
-unsigned PatchDrawer::side_mask(int p) const {
+PatchStanding PatchDrawer::standing(const PatchField& field, int p) const {
   const int w = table_.log2_cells();
-  const int level = Standing(field_.level(p), w).level;
-  unsigned mask = 0;
+  const float own = field.level(p);
+  PatchStanding at;
+  at.own = {own, w};
+  at.odd = ((table_.x(p) + table_.y(p)) & 1) != 0;
   for (const Side q : kAllSides) {
     const int n = table_.neighbour(p, q);
-    if (n >= 0 && Standing(field_.level(n), w).level > level)
-      mask |= 1U << static_cast<unsigned>(q);
+    at.side[static_cast<std::size_t>(q)] = field.side(own, n < 0 ? own : field.level(n), w);
   }
-  return mask;
+  return at;
 }
 
-// Factors by the edge rule (METHODS S4): a side stands at the coarser of its two patches.
-void PatchDrawer::emit(int p, BlockKey vertices, const ScreenError& error, DrawList& out) {
-  const int w = table_.log2_cells();
-  const float own_lambda = field_.level(p);
-  const Standing own(own_lambda, w);
+void PatchDrawer::emit(const PatchField& field, std::size_t visible, const ScreenError& error,
+                       DrawList& out) {
+  const int p = visible_[visible];
+  const PatchStanding at = standing(field, p);
   DrawBatch batch;
-  batch.vertices = vertices;
-  batch.topology = topology_;
-  batch.factor[PatchSlot::kInterior] = own.t;
-  unsigned side_mask = 0;
-  for (const Side q : kAllSides) {
-    const int n = table_.neighbour(p, q);
-    const Standing side(n < 0 ? own_lambda : std::max(own_lambda, field_.level(n)), w);
-    if (side.level > own.level) {
-      side_mask |= 1U << static_cast<unsigned>(q);
-      batch.factor[PatchSlot::coarser(q)] = side.t;
-      batch.factor[PatchSlot::product(q)] = own.t * side.t;
-    } else {
-      batch.factor[PatchSlot::own(q)] = side.t;
-    }
-  }
-  batch.indices = blocks_.indices(p, own.level, side_mask);
+  batch.vertices = keys_[visible];
+  batch.topology = blocks_.mesh().topology();
+  blocks_.mesh().set_factors(at, batch.factor);
+  batch.indices = blocks_.indices(at);
   batch.index_count = blocks_.index_count(batch.indices);
-  batch.error = static_cast<float>(field_.error(p));
+  batch.error = static_cast<float>(field.error(p));
   out.batches.push_back(batch);
-  out.stats.triangles += blocks_.triangles(own.level, side_mask);
-  out.stats.full_triangles += std::uint64_t{2} << (2U * static_cast<unsigned>(w));
+  out.stats.triangles += blocks_.triangles(at);
+  out.stats.full_triangles += std::uint64_t{2} << (2U * static_cast<unsigned>(table_.log2_cells()));
   out.stats.achieved_error_px =
-      std::max(out.stats.achieved_error_px, error.pixels(batch.error, field_.distance(p)));
+      std::max(out.stats.achieved_error_px, error.pixels(batch.error, field.distance(p)));
 }
 
 Claims field_claims(const RefineOptions& options, double tolerance_px) {
@@ -201,15 +177,11 @@ Claims field_claims(const RefineOptions& options, double tolerance_px) {
 
 // "All tessellation levels are calculated first, without creating the resulting geometry, and then
 // each patch is informed about its neighbours' levels" [Wagner2003, "Connecting Patches"].
-void PatchEngine::set_levels(glm::dvec3 eye, const ScreenError& error) {
-  drawer_.field().solve(eye, error);
-}
-
 void PatchEngine::refine(const View& view, const RefineOptions& options, DrawList& out) {
   out.clear();
   drawer_.find_visible(view, options, out.stats);
   const ScreenError error = coarsen(view, options, out.stats);
-  drawer_.draw(options, error, out);
+  drawer_.draw(field(), options, error, out);
 }
 
 // Sets the field: as asked, or with the least tolerance that fits the budget.
@@ -218,16 +190,17 @@ ScreenError PatchEngine::coarsen(const View& view, const RefineOptions& options,
   constexpr double kLeastPx = 0x1p-20;  // "every post" has no tolerance to multiply
   const double asked_px = finest_px(options);
   ScreenError used(view, asked_px, options.scale);
-  const ScreenError base(view, std::max(asked_px, kLeastPx), options.scale);
+  const double base_px = std::max(asked_px, kLeastPx);
+  const ScreenError base(view, base_px, options.scale);
   stats.tolerance_px = asked_px;
   const auto excess = [&](double log_times) {
-    if (log_times > 0) used = base.coarser(std::exp(log_times));
-    set_levels(view.eye, used);
-    stats.evaluated_vertices += static_cast<std::uint64_t>(drawer_.table().size());
-    return drawer_.excess(options.budget);
+    const double times = std::exp(log_times);
+    if (log_times > 0) used = base.coarser(times);
+    stats.evaluated_vertices += set_levels(view, used, log_times > 0 ? base_px * times : asked_px);
+    return drawer_.excess(field(), options.budget);
   };
   if (least_fitting(std::ref(excess)) > 0)
-    stats.tolerance_px = used.tolerance_px(drawer_.nearest_m());
+    stats.tolerance_px = used.tolerance_px(drawer_.nearest_m(field()));
   return used;
 }
 

@@ -112,32 +112,76 @@ std::uint64_t uniform_triangle_count(int cells, const SideDrops& drops) {
   return count;
 }
 
-std::vector<std::uint32_t> strip_in_order(std::span<const std::uint32_t> triangles) {
-  std::vector<std::uint32_t> strip;
-  strip.reserve(2 * triangles.size());
-  for (std::size_t t = 0; t < triangles.size(); t += 3) {
-    const std::span<const std::uint32_t> corner = triangles.subspan(t, 3);
-    const std::size_t n = strip.size();
-    std::size_t shared = 3;
-    if (n >= 3) {
-      // The next triangle of a strip is (n-2, n-1, new), turned over at odd places.
-      const std::uint32_t from = strip[n - (n % 2 == 0 ? 2 : 1)];
-      const std::uint32_t to = strip[n - (n % 2 == 0 ? 1 : 2)];
-      for (std::size_t k = 0; k < 3; ++k) {
-        if (corner[k] == from && corner[(k + 1) % 3] == to) shared = k;
-      }
-    }
-    if (shared < 3) {
-      strip.push_back(corner[(shared + 2) % 3]);
-      continue;
-    }
-    if (n > 0) {
-      strip.insert(strip.end(), {strip.back(), corner[0]});
-      if (strip.size() % 2 != 0) strip.push_back(corner[0]);  // the parity of the winding
-    }
-    strip.insert(strip.end(), corner.begin(), corner.end());
+namespace {
+
+using Corners = std::span<const std::uint32_t, 3>;
+
+// The place of the directed edge in the triangle; 3 when it is not there.
+std::size_t edge_place(Corners corner, std::uint32_t from, std::uint32_t to) {
+  std::size_t k = 0;
+  while (k < 3 && (corner[k] != from || corner[(k + 1) % 3] != to)) ++k;
+  return k;
+}
+
+// Takes triangles in their order, each in constant time.
+class StripWriter {
+ public:
+  explicit StripWriter(std::span<const std::uint32_t> triangles) : triangles_(triangles) {
+    strip_.reserve(triangles.size());
   }
-  return strip;
+
+  std::vector<std::uint32_t> run() {
+    for (std::size_t t = 0; t < count(); ++t) {
+      if (!go_on(t)) start(t);
+    }
+    return std::move(strip_);
+  }
+
+ private:
+  std::size_t count() const { return triangles_.size() / 3; }
+  Corners corners(std::size_t t) const { return triangles_.subspan(3 * t).first<3>(); }
+
+  // Across the strip's last edge. When the triangle after this one lies across the edge that the
+  // strip would leave behind, a repeated vertex turns the strip: fans.
+  bool go_on(std::size_t t) {
+    const std::size_t n = strip_.size();
+    if (n < 3) return false;
+    // The next triangle of a strip is (n-2, n-1, new), turned over at odd places.
+    const std::uint32_t x = strip_[n - 2];
+    const std::uint32_t y = strip_[n - 1];
+    const std::size_t k = n % 2 == 0 ? edge_place(corners(t), x, y) : edge_place(corners(t), y, x);
+    if (k == 3) return false;
+    const std::uint32_t z = corners(t)[(k + 2) % 3];
+    if (t + 1 < count() &&
+        (edge_place(corners(t + 1), x, z) < 3 || edge_place(corners(t + 1), z, x) < 3))
+      strip_.push_back(x);
+    strip_.push_back(z);
+    return true;
+  }
+
+  void start(std::size_t t) {
+    const Corners corner = corners(t);
+    std::size_t first = 0;  // such that the next triangle lies across the last edge
+    for (std::size_t k = 0; t + 1 < count() && k < 3; ++k) {
+      if (edge_place(corners(t + 1), corner[(k + 2) % 3], corner[(k + 1) % 3]) < 3) first = k;
+    }
+    if (!strip_.empty()) {
+      strip_.insert(strip_.end(), {strip_.back(), corner[first]});
+      if (strip_.size() % 2 != 0) strip_.push_back(corner[first]);  // the parity of the winding
+    }
+    for (std::size_t k = 0; k < 3; ++k) strip_.push_back(corner[(first + k) % 3]);
+  }
+
+  std::span<const std::uint32_t> triangles_;
+  std::vector<std::uint32_t> strip_;
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> uniform_strip(int cells, const SideDrops& drops) {
+  const auto list = uniform_triangles(cells, drops);
+  // Around the one inner post of two cells nothing runs in columns.
+  return cells <= 2 ? as_strip(list) : StripWriter(list).run();
 }
 
 namespace {
@@ -244,6 +288,84 @@ void uniform_vertices(const LevelPosts& posts, const SideDrops& drops,
   for (int j = 0; j <= posts.cells; ++j) {
     for (int i = 0; i <= posts.cells; ++i)
       out[local_vertex({posts.cells}, i, j)] = writer.make(i, j);
+  }
+}
+
+namespace {
+
+// Index variants count the drops of the four sides, each 0 to log2 cells.
+unsigned drop_count(int cells) {
+  return static_cast<unsigned>(std::countr_zero(static_cast<unsigned>(cells))) + 1;
+}
+
+SideDrops drops_of(const PatchStanding& standing) {
+  SideDrops drops{};
+  for (std::size_t q = 0; q < drops.size(); ++q)
+    drops[q] = static_cast<std::uint8_t>(standing.side[q].level - standing.own.level);
+  return drops;
+}
+
+SideDrops index_drops(int cells, unsigned variant) {
+  SideDrops drops{};
+  for (std::uint8_t& drop : drops) {
+    drop = static_cast<std::uint8_t>(variant % drop_count(cells));
+    variant /= drop_count(cells);
+  }
+  return drops;
+}
+
+constexpr unsigned kDropBits = 3;  // of a vertex variant, a side
+static_assert(UniformMesh::kMostLog2Cells < 1 << kDropBits);
+
+}  // namespace
+
+unsigned UniformMesh::index_variants(int cells) const {
+  const unsigned n = drop_count(cells);
+  return n * n * n * n;
+}
+
+unsigned UniformMesh::index_variant(const PatchStanding& standing, int cells) const {
+  const SideDrops drops = drops_of(standing);
+  unsigned variant = 0;
+  for (std::size_t q = drops.size(); q-- > 0;) variant = variant * drop_count(cells) + drops[q];
+  return variant;
+}
+
+std::vector<std::uint32_t> UniformMesh::make_indices(int cells, unsigned variant) const {
+  const SideDrops drops = index_drops(cells, variant);
+  return topology_ == Topology::Strip ? uniform_strip(cells, drops)
+                                      : uniform_triangles(cells, drops);
+}
+
+std::uint64_t UniformMesh::triangles(int cells, unsigned variant) const {
+  return uniform_triangle_count(cells, index_drops(cells, variant));
+}
+
+unsigned UniformMesh::vertex_variant(const PatchStanding& standing) const {
+  if (towards_ == Towards::Stored) return 0;
+  const SideDrops drops = drops_of(standing);
+  unsigned variant = 0;
+  for (std::size_t q = drops.size(); q-- > 0;) variant = variant << kDropBits | drops[q];
+  return variant;
+}
+
+void UniformMesh::make_vertices(const LevelPosts& posts, unsigned variant,
+                                const store::Manifest& lattice, std::span<Vertex> out) const {
+  SideDrops drops{};
+  for (std::uint8_t& drop : drops) {
+    drop = static_cast<std::uint8_t>(variant & ((1U << kDropBits) - 1));
+    variant >>= kDropBits;
+  }
+  uniform_vertices(posts, drops, lattice, out);
+}
+
+void UniformMesh::set_factors(const PatchStanding& standing,
+                              std::array<float, kFactorCount>& factor) const {
+  factor[UniformSlot::kInterior] = standing.own.t;
+  for (const Side q : kAllSides) {
+    const float t = standing.side[static_cast<std::size_t>(q)].t;
+    factor[UniformSlot::side(q)] = t;
+    factor[UniformSlot::both(q)] = (1 - t) * standing.own.t;
   }
 }
 

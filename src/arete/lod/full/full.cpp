@@ -6,9 +6,9 @@
 namespace arete::lod::full {
 namespace {
 
-class FullEngine final : public PatchEngine {
+class FullEngine final : public LevelFieldEngine {
  public:
-  using PatchEngine::PatchEngine;
+  using LevelFieldEngine::LevelFieldEngine;
 
   // Level 0 everywhere is the reference itself: no error, no motion. Under a budget it is drawn as
   // any patch method would (RefineStats::tolerance_px > 0), and so are its claims.

@@ -8,9 +8,9 @@
 namespace arete::lod::geomipmap {
 namespace {
 
-class GeomipmapEngine final : public PatchEngine {
+class GeomipmapEngine final : public LevelFieldEngine {
  public:
-  using PatchEngine::PatchEngine;
+  using LevelFieldEngine::LevelFieldEngine;
 
   Claims claims(const RefineOptions& options) const override {
     return field_claims(options, options.tolerance_px);

@@ -1,4 +1,4 @@
-#include "arete/lod/patch_blocks.h"
+#include "arete/lod/rtin_mesh.h"
 
 #include <cmath>
 #include <map>
@@ -41,7 +41,7 @@ class Recursive {
   const Levels& levels_;
 };
 
-TEST(PatchBlocks, NineFactorsEqualTheRecursiveHeight) {
+TEST(RtinMesh, NineFactorsEqualTheRecursiveHeight) {
   std::mt19937_64 random(9);
   std::uniform_real_distribution<float> unit(0, 1);
   for (int k = 0; k < 300; ++k) {
@@ -69,7 +69,7 @@ TEST(PatchBlocks, NineFactorsEqualTheRecursiveHeight) {
 // "yMoveSelf, yMoveL2 ... tweeningA = (1 - tL) tI" [Wagner2003] spans the same surface, provided
 // that A carries two deltas (METHODS 7.3): tI self + (1 - tL) tI l2 with self = the target with 1
 // fully collapsed.
-TEST(PatchBlocks, PrintedFormOfTheNineEqualsTheProductForm) {
+TEST(RtinMesh, PrintedFormOfTheNineEqualsTheProductForm) {
   const RandomPatch patch(4, false, 77, 25);
   const auto vertices = patch.vertices(0);
   int two = 0;
@@ -89,7 +89,7 @@ TEST(PatchBlocks, PrintedFormOfTheNineEqualsTheProductForm) {
   EXPECT_EQ(two, 4);  // beside posts 2, 6, 10, 14 of the west side
 }
 
-TEST(PatchBlocks, CornersNeverMove) {
+TEST(RtinMesh, CornersNeverMove) {
   const RandomPatch patch(4, true, 1, 40);
   for (int level = 0; level <= 4; ++level) {
     const RtinSquare square{16 >> level, true};
@@ -101,7 +101,7 @@ TEST(PatchBlocks, CornersNeverMove) {
   }
 }
 
-TEST(PatchBlocks, FullyMorphedEqualsTheCoarserLevel) {
+TEST(RtinMesh, FullyMorphedEqualsTheCoarserLevel) {
   const RandomPatch patch(5, false, 4, 30);
   for (int l = 0; l < 5; ++l) {
     const auto x = static_cast<float>(l + 1);
