@@ -16,11 +16,11 @@ scene::Keyframe keyframe(double t, const Pose& pose) {
 
 }  // namespace
 
-Controls::Controls(const scene::Ground& ground, const Pose& start)
-    : ground_(ground), pose_(start) {}
+Controls::Controls(const LeveledGround& ground, const Pose& start)
+    : ground_(&ground), pose_(start) {}
 
 double Controls::clearance() const {
-  return 0.5 * std::sqrt(std::abs(ground_.world_from_post.determinant()));
+  return 0.5 * post_spacing(*ground_);
 }
 
 void Controls::set_pose(const Pose& pose) {
@@ -51,8 +51,8 @@ void Controls::update(const Input& input, FrameSize size) {
   glide_.reset();
   const View view = make_view(pose_, size.width, size.height);
   if (input.double_click) {
-    if (const auto target = ground_along(ground_, view.eye, cursor_ray(view, input.cursor))) {
-      glide_to(lifted(zoomed(view, *target, 0.3), ground_, clearance()));
+    if (const auto target = ground_along(*ground_, view.eye, cursor_ray(view, input.cursor))) {
+      glide_to(lifted(zoomed(view, *target, 0.3), *ground_, clearance()));
     }
   } else if (mode_ == ControlMode::Map) {
     update_map(input, view);
@@ -63,45 +63,50 @@ void Controls::update(const Input& input, FrameSize size) {
 
 void Controls::glide(double seconds) {
   glided_ += seconds;
-  pose_ = lifted(glide_->at(std::min(glided_, 1.0)), ground_, clearance());
+  pose_ = lifted(glide_->at(std::min(glided_, 1.0)), *ground_, clearance());
   if (glided_ >= 1) {
     glide_.reset();
   }
 }
 
-void Controls::grab(const Input& input, const View& view) {
+glm::dvec2 Controls::grab(const Input& input, const View& view) {
   const bool held = input.left || input.middle || input.right;
   if (!held) {
     grabbed_.reset();
-  } else if (!grabbed_) {
-    grabbed_ = ground_along(ground_, view.eye, cursor_ray(view, input.cursor - input.moved));
+  } else if (input.pressed_at || !grabbed_) {
+    const glm::dvec2 from = input.pressed_at.value_or(input.cursor - input.moved);
+    grabbed_ = ground_along(*ground_, view.eye, cursor_ray(view, from));
+    return input.cursor - from;
   }
+  return input.moved;
 }
 
 void Controls::update_map(const Input& input, const View& view) {
   constexpr double kNotch = 0.85;      // distance left after one notch of the wheel
   constexpr double kRadians = 0.005;   // per dragged pixel
   constexpr double kZoomPixels = 200;  // dragged pixels that double the distance
-  grab(input, view);
+  const glm::dvec2 moved = grab(input, view);
   if (input.wheel != 0) {
-    if (const auto pivot = ground_along(ground_, view.eye, cursor_ray(view, input.cursor))) {
+    if (const auto pivot = ground_along(*ground_, view.eye, cursor_ray(view, input.cursor))) {
       pose_ = zoomed(view, *pivot, std::pow(kNotch, input.wheel));
     }
   } else if (grabbed_ && input.left) {
     pose_ = panned(view, *grabbed_, input.cursor);
   } else if (grabbed_ && input.middle) {
-    pose_ = turned(view, *grabbed_, input.moved.x * kRadians, -input.moved.y * kRadians);
+    pose_ = turned(view, *grabbed_, moved.x * kRadians, -moved.y * kRadians);
   } else if (grabbed_ && input.right) {
-    pose_ = zoomed(view, *grabbed_, std::exp2(input.moved.y / kZoomPixels));
+    pose_ = zoomed(view, *grabbed_, std::exp2(moved.y / kZoomPixels));
   }
-  pose_ = lifted(pose_, ground_, clearance());
+  pose_ = lifted(pose_, *ground_, clearance());
 }
 
 void Controls::update_fly(const Input& input, const View& view) {
   FlyInput fly = input.fly;
-  fly.dragged = input.left || input.right || input.middle ? input.moved : glm::dvec2(0);
-  const double height = view.eye.z - ground_height(ground_, glm::dvec2(view.eye));
-  pose_ = lifted(flown(view, fly, input.seconds, height), ground_, clearance());
+  const bool held = input.left || input.right || input.middle;
+  fly.dragged =
+      held ? input.cursor - input.pressed_at.value_or(input.cursor - input.moved) : glm::dvec2(0);
+  const double height = view.eye.z - height_below(*ground_, view.eye);
+  pose_ = lifted(flown(view, fly, input.seconds, height), *ground_, clearance());
 }
 
 }  // namespace arete::app

@@ -48,9 +48,9 @@ Pose turned(const View& view, glm::dvec3 pivot, double yaw, double pitch) {
   return pose;
 }
 
-Pose lifted(const Pose& pose, const scene::Ground& ground, double clearance) {
+Pose lifted(const Pose& pose, const LeveledGround& ground, double clearance) {
   Pose up = pose;
-  up.eye.z = std::max(up.eye.z, ground_height(ground, glm::dvec2(up.eye)) + clearance);
+  up.eye.z = std::max(up.eye.z, height_below(ground, up.eye) + clearance);
   return up;
 }
 

@@ -3,7 +3,8 @@
 #include <glm/glm.hpp>
 
 #include "arete/core/view.h"
-#include "arete/scene/path.h"
+
+#include "ground.h"
 
 namespace arete::app {
 
@@ -21,7 +22,7 @@ Pose zoomed(const View& view, glm::dvec3 pivot, double factor);
 Pose turned(const View& view, glm::dvec3 pivot, double yaw, double pitch);
 
 /// The camera lifted, if need be, to `clearance` metres above the ground.
-Pose lifted(const Pose& pose, const scene::Ground& ground, double clearance);
+Pose lifted(const Pose& pose, const LeveledGround& ground, double clearance);
 
 /// The whole terrain seen from the south, 40 degrees from above, as near as the viewport's shape
 /// (width over height) lets it fit.

@@ -138,11 +138,15 @@ fs::path store_of(const TerrainFlags& flags, const std::vector<std::string>& met
   return is_store(flags.terrain) ? flags.terrain : cached_store(flags, methods);
 }
 
-std::unique_ptr<store::Terrain> open_terrain(const TerrainFlags& flags,
-                                             const std::vector<std::string>& methods) {
+std::unique_ptr<store::Terrain> open_store(const TerrainFlags& flags, const fs::path& store) {
   store::OpenOptions options;
   options.cache_bytes = flags.cache.count;
-  return store::Terrain::open(store_of(flags, methods), options);
+  return store::Terrain::open(store, options);
+}
+
+std::unique_ptr<store::Terrain> open_terrain(const TerrainFlags& flags,
+                                             const std::vector<std::string>& methods) {
+  return open_store(flags, store_of(flags, methods));
 }
 
 std::unique_ptr<lod::Engine> open_method(const TerrainFlags& flags, const std::string& method,

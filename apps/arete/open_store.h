@@ -28,7 +28,10 @@ struct TerrainFlags {
 /// Throws: as build_store; NotFound.
 std::filesystem::path store_of(const TerrainFlags& flags, const std::vector<std::string>& methods);
 
-/// Opens store_of(...) with the cache budget.
+/// Opens a store with the cache budget.
+std::unique_ptr<store::Terrain> open_store(const TerrainFlags& flags,
+                                           const std::filesystem::path& store);
+/// Opens store_of(...) likewise.
 std::unique_ptr<store::Terrain> open_terrain(const TerrainFlags& flags,
                                              const std::vector<std::string>& methods);
 

@@ -1,6 +1,7 @@
 #include "overlay.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 #include <imgui.h>
@@ -10,35 +11,98 @@
 namespace arete::app {
 namespace {
 
-template <typename... Values>
-void line(fmt::format_string<Values...> format, Values&&... values) {
-  const std::string text = fmt::format(format, std::forward<Values>(values)...);
+constexpr float kWidth = 330;
+constexpr float kLabelWidth = 84;
+const ImVec4 kDim{0.62F, 0.67F, 0.73F, 1};
+const ImVec4 kBright{0.95F, 0.97F, 1.0F, 1};
+const ImVec4 kAmber{1.0F, 0.72F, 0.28F, 1};
+const ImVec4 kRed{1.0F, 0.45F, 0.40F, 1};
+const ImVec4 kBlue{0.27F, 0.55F, 0.80F, 1};
+constexpr ImGuiWindowFlags kPanel = ImGuiWindowFlags_AlwaysAutoResize |
+                                    ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav |
+                                    ImGuiWindowFlags_NoSavedSettings;
+
+void say(const std::string& text, const ImVec4& colour = kBright) {
+  ImGui::PushStyleColor(ImGuiCol_Text, colour);
   ImGui::TextUnformatted(text.data(), text.data() + text.size());
+  ImGui::PopStyleColor();
 }
 
-std::string against(double bytes, std::size_t budget) {
-  return fmt::format("{} of {}", bytes_text(bytes), bytes_text(static_cast<double>(budget)));
+void label(const char* name) {
+  ImGui::AlignTextToFramePadding();
+  say(name, kDim);
+  ImGui::SameLine(kLabelWidth);
+}
+
+void row(const char* name, const std::string& value, const ImVec4& colour = kBright) {
+  say(name, kDim);
+  ImGui::SameLine(kLabelWidth);
+  say(value, colour);
+}
+
+/// Bytes held, as a bar whose full length is the budget.
+void budget_bar(const char* name, std::uint64_t bytes, std::size_t budget) {
+  label(name);
+  const float share = budget == 0 ? 0 : static_cast<float>(bytes) / static_cast<float>(budget);
+  const std::string text = fmt::format("{} of {}", bytes_text(static_cast<double>(bytes)),
+                                       bytes_text(static_cast<double>(budget)));
+  ImGui::PushStyleColor(ImGuiCol_PlotHistogram, share > 0.98F ? kAmber : kBlue);
+  ImGui::ProgressBar(std::min(share, 1.0F), ImVec2(kWidth - kLabelWidth, 0), text.c_str());
+  ImGui::PopStyleColor();
 }
 
 void draw_times(const FrameTimes& times) {
-  line("{:.0f} frames/s, {:.1f} ms (worst {:.1f})", 1000 / std::max(times.mean_ms(), 1e-3F),
-       times.mean_ms(), times.max_ms());
+  const float mean = std::max(times.mean_ms(), 1e-3F);
+  const std::string text =
+      fmt::format("{:.0f} frames/s   {:.1f} ms, worst {:.1f}", 1000 / mean, mean, times.max_ms());
   ImGui::PlotLines("##times", times.ring().data(), static_cast<int>(times.ring().size()),
-                   times.next(), nullptr, 0, std::max(33.0F, times.max_ms()), ImVec2(300, 40));
+                   times.next(), text.c_str(), 0, std::max(2 * mean, times.max_ms()),
+                   ImVec2(kWidth, 54));
+}
+
+std::optional<std::string> choose_method(const OverlayText& text) {
+  std::optional<std::string> chosen;
+  label("method");
+  ImGui::SetNextItemWidth(kWidth - kLabelWidth);
+  if (ImGui::BeginCombo("##method", std::string(text.method).c_str())) {
+    for (const std::string& method : text.methods) {
+      if (ImGui::Selectable(method.c_str(), method == text.method) && method != text.method) {
+        chosen = method;
+      }
+    }
+    ImGui::EndCombo();
+  }
+  return chosen;
 }
 
 void draw_counts(const OverlayText& text) {
-  line("triangles        {}", grouped(text.refine.triangles));
-  line("errors projected {}", grouped(text.refine.evaluated_vertices));
-  line("cache            {}",
-       against(static_cast<double>(text.cache.resident_bytes), text.cache_budget));
-  line("GPU              {}", against(static_cast<double>(text.draw.gpu_bytes), text.gpu_budget));
-  line("achieved error   {:.2f} px{}", text.refine.achieved_error_px,
-       text.refine.late_blocks != 0 ? fmt::format(" ({} tiles coming)", text.refine.late_blocks)
-                                    : "");
+  row("triangles", grouped(text.refine.triangles));
+  row("evaluated", grouped(text.refine.evaluated_vertices) + " vertices");
+  row("error",
+      fmt::format("{:.2f} px{}", text.refine.achieved_error_px,
+                  text.refine.late_blocks != 0
+                      ? fmt::format(", {} tiles coming", grouped(text.refine.late_blocks))
+                      : ""),
+      text.refine.late_blocks != 0 ? kAmber : kBright);
+  budget_bar("cache", text.cache.resident_bytes, text.cache_budget);
+  budget_bar("GPU", text.draw.gpu_bytes, text.gpu_budget);
   if (text.draw.dropped_batches != 0) {
-    line("{} batches do not fit --gpu-memory", text.draw.dropped_batches);
+    say(fmt::format("{} batches do not fit the GPU memory", text.draw.dropped_batches), kRed);
   }
+  if (text.cache.damaged != 0) {
+    say(fmt::format("{} damaged tiles are drawn coarser", text.cache.damaged), kRed);
+  }
+}
+
+void draw_knobs(Knobs& knobs) {
+  label("tolerance");
+  ImGui::SetNextItemWidth(kWidth - kLabelWidth);
+  ImGui::SliderFloat("##tolerance", &knobs.tolerance_px, 0.1F, 32, "%.2f px",
+                     ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
+}
+
+ImVec4 colour_of(Mood mood) {
+  return mood == Mood::Failure ? kRed : kBright;
 }
 
 }  // namespace
@@ -61,45 +125,101 @@ float FrameTimes::max_ms() const {
   return *std::ranges::max_element(ms_);
 }
 
-void draw_overlay(const OverlayText& text, const FrameTimes& times, float& tolerance_px) {
-  ImGui::SetNextWindowPos(ImVec2(10, 10), ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowBgAlpha(0.7F);
-  ImGui::Begin("Arete", nullptr,
-               ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing |
-                   ImGuiWindowFlags_NoNav);
-  line("{}, {}{}", text.method, text.mode, text.frozen ? ", LOD frozen" : "");
-  draw_times(times);
-  draw_counts(text);
-  ImGui::SetNextItemWidth(180);
-  ImGui::SliderFloat("tolerance px", &tolerance_px, 0.1F, 32, "%.2f", ImGuiSliderFlags_Logarithmic);
-  if (text.under_cursor) {
-    line("cursor {:.6g}, {:.6g}: {:.1f} m", text.under_cursor->x, text.under_cursor->y,
-         text.under_cursor->z);
-  } else {
-    line("cursor in the sky");
+void style_overlay() {
+  ImGui::StyleColorsDark();
+  ImGuiStyle& style = ImGui::GetStyle();
+  style.WindowRounding = 6;
+  style.FrameRounding = style.GrabRounding = 3;
+  style.WindowPadding = ImVec2(12, 10);
+  style.ItemSpacing = ImVec2(8, 5);
+  style.WindowBorderSize = 0;
+  style.Colors[ImGuiCol_WindowBg] = ImVec4(0.05F, 0.07F, 0.10F, 0.78F);
+  style.Colors[ImGuiCol_TitleBgActive] = style.Colors[ImGuiCol_TitleBg] =
+      style.Colors[ImGuiCol_TitleBgCollapsed] = ImVec4(0.09F, 0.13F, 0.19F, 0.9F);
+  style.Colors[ImGuiCol_FrameBg] = ImVec4(0.16F, 0.20F, 0.26F, 0.8F);
+  style.Colors[ImGuiCol_PlotLines] = ImVec4(0.55F, 0.80F, 1.0F, 1);
+}
+
+std::optional<std::string> draw_overlay(const OverlayText& text, const FrameTimes& times,
+                                        Knobs& knobs) {
+  ImGui::SetNextWindowPos(ImVec2(12, 12), ImGuiCond_FirstUseEver);
+  std::optional<std::string> chosen;
+  if (ImGui::Begin("Arete", nullptr, kPanel)) {
+    draw_times(times);
+    chosen = choose_method(text);
+    draw_knobs(knobs);
+    draw_counts(text);
+    ImGui::Separator();
+    row("cursor", text.place);
+    row("eye", fmt::format("{:.1f} m above the ground", text.eye_height));
+    row("mouse",
+        fmt::format("{}{}{}", text.mode, text.frozen ? ", detail frozen (L)" : "",
+                    text.wireframe ? ", wireframe (W)" : ""),
+        text.frozen ? kAmber : kBright);
+    say("H  help", kDim);
   }
-  line("eye {:.1f} m above ground", text.eye_height);
-  line("{}", text.message.empty() ? "H: help" : text.message);
+  ImGui::End();
+  return chosen;
+}
+
+void draw_notices(const std::vector<Notice>& notices) {
+  if (notices.empty()) {
+    return;
+  }
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos(ImVec2(size.x / 2, size.y - 16), ImGuiCond_Always, ImVec2(0.5F, 1));
+  ImGui::SetNextWindowSizeConstraints(ImVec2(0, 0), ImVec2(size.x - 24, size.y));
+  ImGui::Begin("##notices", nullptr,
+               kPanel | ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs);
+  for (const Notice& notice : notices) {
+    if (notice.mood == Mood::Working) {
+      ImGui::ProgressBar(static_cast<float>(notice.done), ImVec2(140, 0));
+      ImGui::SameLine();
+    }
+    ImGui::PushTextWrapPos(size.x - 48);
+    say(notice.text, colour_of(notice.mood));
+    ImGui::PopTextWrapPos();
+  }
   ImGui::End();
 }
 
 void draw_help() {
-  constexpr const char* kKeys =
-      "Map    left drag pans, right drag or wheel zooms, middle drag turns\n"
-      "Fly    W A S D, Q E down and up, drag looks around, Shift faster\n"
-      "Both   double click goes there, Space goes home\n"
-      "\n"
-      "F      map or fly          M      next method\n"
-      "W      wireframe (map)     L      freeze the level of detail\n"
-      "P      record a path; P again saves and replays it\n"
-      "F12    screenshot          H      this help\n"
-      "Esc    quit";
+  constexpr std::pair<const char*, const char*> kHelp[] = {
+      {"left drag", "pan: the ground follows the mouse"},
+      {"wheel, right drag", "zoom towards the mouse"},
+      {"middle drag", "turn about the ground under the mouse"},
+      {"double click", "fly there"},
+      {"Space", "fly home: the whole terrain"},
+      {nullptr, nullptr},
+      {"F", "fly, or back to the map"},
+      {"W A S D", "flying: forward, left, back, right"},
+      {"Q E", "flying: down, up"},
+      {"drag", "flying: look around"},
+      {"Shift", "flying: five times faster"},
+      {nullptr, nullptr},
+      {"+ -", "more or less detail (also Page Up, Page Down)"},
+      {"M", "next method"},
+      {"W", "wireframe, on the map"},
+      {"L", "freeze the detail, to fly away from it and look at it"},
+      {"P", "replay the path; without one: record, then save and replay it"},
+      {"Shift P", "record another path"},
+      {"F12", "save a picture"},
+      {"H, Esc", "this help, quit"},
+      {nullptr, nullptr},
+      {"drop a file", "open a store or a DEM"},
+  };
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos(ImVec2(size.x / 2, size.y / 2), ImGuiCond_Always, ImVec2(0.5F, 0.5F));
-  ImGui::Begin("Help", nullptr,
-               ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse |
-                   ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav);
-  ImGui::TextUnformatted(kKeys);
+  ImGui::Begin("Help", nullptr, kPanel | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove);
+  for (const auto& [key, meaning] : kHelp) {
+    if (key == nullptr) {
+      ImGui::Separator();
+      continue;
+    }
+    say(key, kAmber);
+    ImGui::SameLine(150);
+    say(meaning);
+  }
   ImGui::End();
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <glm/glm.hpp>
 
@@ -28,20 +29,40 @@ class FrameTimes {
   std::size_t next_ = 0, count_ = 0;
 };
 
+/// What the user can turn.
+struct Knobs {
+  float tolerance_px = 1;
+};
+
 /// What the overlay says about one frame.
 struct OverlayText {
-  std::string_view method, mode, message;
+  std::string_view method, mode;
+  const std::vector<std::string>& methods;  ///< that the store holds
   const RefineStats& refine;
   const render::DrawStats& draw;
   store::CacheStats cache;
   std::size_t cache_budget, gpu_budget;
-  std::optional<glm::dvec3> under_cursor;  ///< CRS x, y and height in metres
-  double eye_height;                       ///< metres above the ground
-  bool frozen;
+  std::string place;  ///< under the cursor, and how high: a line or two
+  double eye_height;  ///< metres above the ground
+  bool frozen, wireframe;
 };
 
-/// Draws the panel of numbers; `tolerance_px` is the slider's.
-void draw_overlay(const OverlayText& text, const FrameTimes& times, float& tolerance_px);
+enum class Mood { Note, Working, Failure };
+
+/// A line at the foot of the window.
+struct Notice {
+  std::string text;
+  Mood mood = Mood::Note;
+  double done = 0;  ///< 0..1, Working only
+};
+
+/// Colours and shapes. Requires: an ImGui context.
+void style_overlay();
+/// Draws the panel of numbers. Returns the method that the user chose, or nothing.
+std::optional<std::string> draw_overlay(const OverlayText& text, const FrameTimes& times,
+                                        Knobs& knobs);
+/// Draws the lines, the last one lowest.
+void draw_notices(const std::vector<Notice>& notices);
 void draw_help();
 
 }  // namespace arete::app

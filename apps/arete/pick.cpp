@@ -12,10 +12,6 @@ double extent(const scene::Ground& ground) {
   return glm::length(a.apply(ground.cols - 1, ground.rows - 1) - a.apply(0, 0));
 }
 
-double post_spacing(const scene::Ground& ground) {
-  return std::sqrt(std::abs(ground.world_from_post.determinant()));
-}
-
 /// Metres of the ray worth searching: it begins below the highest post and ends below the lowest
 /// one or far outside.
 struct Reach {
@@ -48,17 +44,14 @@ glm::dvec3 cursor_ray(const View& view, glm::dvec2 cursor) {
   return glm::normalize(axes.forward * view.focal_px() + axes.right * x + axes.up * y);
 }
 
-double ground_height(const scene::Ground& ground, glm::dvec2 world) {
-  const glm::dvec2 post = ground.world_from_post.inverse(world);
-  return ground.height(post.x, post.y);
-}
-
-std::optional<glm::dvec3> ground_along(const scene::Ground& ground, glm::dvec3 eye,
+std::optional<glm::dvec3> ground_along(const LeveledGround& ground, glm::dvec3 eye,
                                        glm::dvec3 direction) {
   const auto [begin, end] = reach(ground, eye, direction);
   const auto above = [&](double t) {
     const glm::dvec3 p = eye + t * direction;
-    return p.z > ground_height(ground, p);
+    const glm::dvec2 post = ground.world_from_post.inverse(glm::dvec2(p));
+    return p.z > ground.height_of_level(post.x, post.y, level_for_distance(ground, t),
+                                        store::Fetch::Held);
   };
   // Steps of half a post near the eye, of a 250th of the distance further away: about 2,000 at
   // most.

@@ -5,7 +5,8 @@
 #include <glm/glm.hpp>
 
 #include "arete/core/view.h"
-#include "arete/scene/path.h"
+
+#include "ground.h"
 
 namespace arete::app {
 
@@ -19,12 +20,10 @@ CameraAxes camera_axes(double yaw, double pitch);
 /// left corner.
 glm::dvec3 cursor_ray(const View& view, glm::dvec2 cursor);
 
-/// Height of the ground in metres at a world position; the grid's edge goes on outside of it.
-double ground_height(const scene::Ground& ground, glm::dvec2 world);
-
-/// The first point of the ground that the ray from the eye meets, to about a thousandth of its
-/// distance; nothing when the ray passes above it. `direction` is unit.
-std::optional<glm::dvec3> ground_along(const scene::Ground& ground, glm::dvec3 eye,
+/// The first point of the ground that the ray from the eye meets, by heights in memory whose posts
+/// stand about a 500th of their distance apart, and to about a thousandth of its distance; nothing
+/// when the ray passes above it. Reads and asks for no tile. `direction` is unit.
+std::optional<glm::dvec3> ground_along(const LeveledGround& ground, glm::dvec3 eye,
                                        glm::dvec3 direction);
 
 }  // namespace arete::app

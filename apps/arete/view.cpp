@@ -23,6 +23,9 @@ void add_view(CLI::App& app) {
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000))
       ->needs(shot);
+  verb->add_option("--trace", flags->trace,
+                   "Write the flight as CSV, a line a frame: camera, ground under the mouse, times")
+      ->type_name("CSV");
   add_quiet(*verb, flags->flight.terrain.talk);
   verb->callback([flags] { Viewer(*flags).run(); });
 }

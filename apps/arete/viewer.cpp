@@ -1,6 +1,9 @@
 #include "viewer.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -10,6 +13,7 @@
 #include "arete/render/picture.h"
 
 #include "ground.h"
+#include "interrupt.h"
 #include "map_camera.h"
 #include "pick.h"
 
@@ -17,51 +21,43 @@ namespace arete::app {
 namespace {
 
 namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+using Seconds = std::chrono::duration<double>;
 
-/// NAME-1.EXT, NAME-2.EXT, ...: the first that is not there yet.
-fs::path free_name(const std::string& stem, const std::string& extension) {
-  for (int i = 1;; ++i) {
-    fs::path file = fmt::format("{}-{}{}", stem, i, extension);
-    if (!fs::exists(file)) {
-      return file;
-    }
-  }
+const Clock::time_point kProgramStart = Clock::now();
+
+constexpr int kTextureTiles = 8;       // a frame: a few milliseconds at most
+constexpr int kFramesToRest = 20;      // without any change, before the viewer waits for events
+constexpr double kRestSeconds = 0.25;  // a wait for events: late news come that late
+constexpr double kToldSeconds = 8;
+
+bool same_pose(const Pose& a, const Pose& b) {
+  return a.eye == b.eye && a.yaw == b.yaw && a.pitch == b.pitch && a.fovy == b.fovy;
 }
 
-double aspect(FrameSize size) {
-  return static_cast<double>(size.width) / size.height;
-}
-
-scene::Keyframe keyframe(double t, const Pose& pose) {
-  return {t, pose.eye, pose.yaw, pose.pitch, pose.fovy};
+std::string_view name_of(ControlMode mode) {
+  return mode == ControlMode::Map ? "map" : "fly";
 }
 
 }  // namespace
 
 Viewer::Viewer(const ViewFlags& flags)
     : flags_(flags),
-      terrain_(open_terrain(flags.flight.terrain, {flags.method})),
-      ground_(ground_of(*terrain_, store::Fetch::Resident)),
-      window_(fmt::format("Arete - {}", flags.flight.terrain.terrain.filename().string()),
-              flags.flight.size),
-      rasters_(*terrain_),
-      shown_(std::make_unique<ShownMethod>(flags.flight.terrain, flags.method, *terrain_,
-                                           rasters_.land, flags.flight.gpu_memory.count)),
-      controls_(ground_, home_pose(ground_, aspect(flags.flight.size))),
-      tolerance_px_(static_cast<float>(flags.flight.refine_options().tolerance_px)) {
+      first_(open_with_method(flags.flight.terrain, store_of(flags.flight.terrain, {flags.method}),
+                              flags.method)),
+      window_("Arete", flags.flight.size) {
+  if (!flags.trace.empty()) {
+    log_.emplace(flags.trace);
+  }
+  knobs_.tolerance_px = static_cast<float>(flags.flight.refine_options().tolerance_px);
+  show(std::move(*first_));
   if (!flags.flight.path.empty()) {
-    path_ = scene::make_path(flags.flight.path, ground_of(*terrain_, store::Fetch::Wait));
-  }
-  if (!scripted()) {
-    style_.texture_tiles = 8;  // a few milliseconds a frame at most; the rest comes with the next
-  }
-  if (terrain_->manifest().drawable_cells == 0) {
-    message_ = "nothing to draw: no square of four posts has data";
+    path_.load(scene::make_path(flags.flight.path, shown_->ground()));
   }
 }
 
 void Viewer::run() {
-  while (!window_.closed()) {
+  while (!window_.closed() && !interrupted()) {
     show_frame();
     if (scripted() && ++frames_shown_ >= flags_.flight.frames) {
       save_screenshot(flags_.screenshot);
@@ -70,21 +66,44 @@ void Viewer::run() {
   }
 }
 
+void Viewer::show(OpenedTerrain opened) {
+  shown_.reset();  // two renderers at once would exceed the cap on GPU memory
+  shown_ = std::make_unique<ShownTerrain>(std::move(opened), flags_.flight.gpu_memory.count);
+  if (!controls_) {
+    controls_.emplace(shown_->ground(), home_pose(shown_->ground(), aspect()));
+  }
+  controls_->stand_on(shown_->ground());
+  frozen_ = false;
+  if (shown_->terrain().manifest().drawable_cells == 0) {
+    tell("nothing to draw: no square of four posts has data", Mood::Failure);
+  }
+}
+
 void Viewer::show_frame() {
-  window_.begin();
+  window_.begin(at_rest() ? kRestSeconds : 0);
   resize(window_.size());
   act_on_keys();
   move_camera();
-  view_ = make_view(controls_.pose(), frame_->width(), frame_->height());
+  above_ground_ = controls_->pose().eye.z - height_below(shown_->ground(), controls_->pose().eye);
+  draw_land();
+  look_under_cursor();
+  draw_panels();
+  window_.end(frame_->framebuffer(), {frame_->width(), frame_->height()});
+  log_frame();
+}
+
+// The first picture of a terrain is whole; later ones fill in as tiles come.
+void Viewer::draw_land() {
+  const bool whole = scripted() || !shown_->refined();
+  view_ = make_view(controls_->pose(), frame_->width(), frame_->height());
+  style_.texture_tiles = whole ? std::numeric_limits<int>::max() : kTextureTiles;
   if (!frozen_ || !shown_->refined()) {
     lod::RefineOptions options = flags_.flight.refine_options();
-    options.tolerance_px = static_cast<double>(tolerance_px_);
-    options.on_missing = scripted() ? lod::OnMissing::Wait : lod::OnMissing::Defer;
+    options.tolerance_px = static_cast<double>(knobs_.tolerance_px);
+    options.on_missing = whole ? lod::OnMissing::Wait : lod::OnMissing::Defer;
     shown_->refine(view_, options);
   }
   shown_->draw(view_, style_, *frame_);
-  draw_panels();
-  window_.end(frame_->framebuffer(), {frame_->width(), frame_->height()});
 }
 
 void Viewer::resize(FrameSize size) {
@@ -94,22 +113,39 @@ void Viewer::resize(FrameSize size) {
   }
 }
 
+double Viewer::aspect() const {
+  const FrameSize size = window_.size();
+  return static_cast<double>(size.width) / size.height;
+}
+
+// True while nothing has changed for a while: then events are waited for, and the machine is idle.
+bool Viewer::at_rest() {
+  const bool moving = window_.touched() || scripted() || path_.replaying() || path_.recording() ||
+                      !same_pose(controls_->pose(), drawn_from_) ||
+                      shown_->refine_stats().late_blocks != 0 ||
+                      shown_->draw_stats().texture_tiles != 0;
+  drawn_from_ = controls_->pose();
+  frames_at_rest_ = moving ? 0 : frames_at_rest_ + 1;
+  return frames_at_rest_ > kFramesToRest;
+}
+
 void Viewer::act_on_keys() {
-  for (const int key : window_.pressed()) {
+  for (const KeyPress& key : window_.pressed()) {
     try {
       press(key);
     } catch (const Error& error) {  // a folder that cannot be written ends no flight
-      message_ = error.what();
+      tell(error.what(), Mood::Failure);
     }
   }
 }
 
-void Viewer::press(int key) {
-  switch (key) {
+void Viewer::press(const KeyPress& press) {
+  constexpr float kStep = 1.25F;
+  switch (press.key) {
     case GLFW_KEY_ESCAPE:
-      return window_.close();
+      return help_ ? void(help_ = false) : window_.close();
     case GLFW_KEY_F:
-      return controls_.toggle_fly();
+      return controls_->toggle_fly();
     case GLFW_KEY_H:
       help_ = !help_;
       return;
@@ -119,113 +155,147 @@ void Viewer::press(int key) {
     case GLFW_KEY_M:
       return next_method();
     case GLFW_KEY_P:
-      return toggle_recording();
+      return press_path_key(press.shift);
     case GLFW_KEY_SPACE:
-      path_.reset();
-      return controls_.glide_to(home_pose(ground_, aspect({frame_->width(), frame_->height()})));
+      return go_home();
     case GLFW_KEY_F12:
       return save_screenshot(free_name("arete", ".png"));
     case GLFW_KEY_W:
-      style_.wireframe = style_.wireframe != (controls_.mode() == ControlMode::Map);
+      style_.wireframe = style_.wireframe != (controls_->mode() == ControlMode::Map);
       return;
+    case GLFW_KEY_EQUAL:
+    case GLFW_KEY_KP_ADD:
+    case GLFW_KEY_PAGE_UP:
+      return set_tolerance(knobs_.tolerance_px / kStep);
+    case GLFW_KEY_MINUS:
+    case GLFW_KEY_KP_SUBTRACT:
+    case GLFW_KEY_PAGE_DOWN:
+      return set_tolerance(knobs_.tolerance_px * kStep);
     default:
       return;
   }
 }
 
-void Viewer::next_method() {
-  const std::vector<std::string>& held = terrain_->manifest().methods;
-  const auto now = std::ranges::find(held, shown_->name());
-  if (held.size() < 2) {
-    message_ = "the store holds no other method: build it with --methods all";
-    return;
-  }
-  const std::string next = now == held.end() || now + 1 == held.end() ? held.front() : *(now + 1);
+void Viewer::set_tolerance(float pixels) {
+  knobs_.tolerance_px = std::clamp(pixels, 0.1F, 32.0F);
+  tell(fmt::format("tolerance {:.2f} px", knobs_.tolerance_px));
+}
+
+void Viewer::change_method(const std::string& method) {
   try {
-    auto shown = std::make_unique<ShownMethod>(flags_.flight.terrain, next, *terrain_,
-                                               rasters_.land, flags_.flight.gpu_memory.count);
-    shown_ = std::move(shown);
-    message_.clear();
+    shown_->change_method(flags_.flight.terrain, method);
+    tell(fmt::format("method {}", method));
   } catch (const Error& error) {
-    message_ = error.what();
+    tell(error.what(), Mood::Failure);
   }
 }
 
-void Viewer::toggle_recording() {
-  if (path_) {
-    path_.reset();
-    message_ = "replay stopped";
-  } else if (!recording_) {
-    recording_.emplace();
-    recorded_seconds_ = 0;
-    message_ = "recording a path: P saves and replays it";
-  } else {
-    if (recording_->empty() || recorded_seconds_ > recording_->back().t) {
-      recording_->push_back(keyframe(recorded_seconds_, controls_.pose()));
-    }
-    path_.emplace(std::move(*recording_));
-    path_seconds_ = 0;
-    recording_.reset();
-    const fs::path file = free_name("path", ".json");
-    scene::write_path(*path_, file);
-    message_ = fmt::format("replaying {}: P stops", file.string());
+void Viewer::next_method() {
+  const std::vector<std::string>& held = shown_->terrain().manifest().methods;
+  const auto now = std::ranges::find(held, shown_->method());
+  if (held.size() < 2) {
+    return tell("the store holds no other method: build it with --methods all");
   }
+  change_method(now == held.end() || now + 1 == held.end() ? held.front() : *(now + 1));
+}
+
+void Viewer::press_path_key(bool shift) {
+  if (path_.holds_path() && !path_.recording() && !shift) {
+    path_.toggle_replay();
+    tell(path_.replaying() ? "replaying the path: P stops" : "replay stopped");
+  } else {
+    tell(path_.toggle_recording(controls_->pose()));
+  }
+}
+
+void Viewer::go_home() {
+  path_.stop();
+  controls_->glide_to(home_pose(shown_->ground(), aspect()));
 }
 
 void Viewer::move_camera() {
-  constexpr double kKeyframeSeconds = 0.25;
   const Input input = window_.input();
-  times_.add(static_cast<float>(input.seconds * 1000));
-  if (path_) {
-    return follow_path(input.seconds);
+  if (path_.replaying()) {
+    controls_->set_pose(scripted() ? path_.instant(frames_shown_, flags_.flight.frames)
+                                   : path_.replay(input.seconds));
+    return;
   }
-  controls_.update(input, {frame_->width(), frame_->height()});
-  if (recording_) {
-    recorded_seconds_ += input.seconds;
-    if (recording_->empty() || recorded_seconds_ - recording_->back().t >= kKeyframeSeconds) {
-      recording_->push_back(keyframe(recorded_seconds_, controls_.pose()));
-    }
+  controls_->update(input, {frame_->width(), frame_->height()});
+  path_.record(controls_->pose(), input.seconds);
+}
+
+// A ray through the heights in memory: only when another point may lie under the cursor.
+void Viewer::look_under_cursor() {
+  const auto cursor = window_.cursor();
+  const bool same = cursor == looked_at_ && same_pose(looked_from_, controls_->pose()) &&
+                    shown_->refine_stats().late_blocks == 0 && frames_at_rest_ > 0;
+  if (same) {
+    return;
+  }
+  looked_at_ = cursor;
+  looked_from_ = controls_->pose();
+  under_cursor_.reset();
+  if (cursor) {
+    under_cursor_ = ground_along(shown_->cursor_ground(), view_.eye, cursor_ray(view_, *cursor));
   }
 }
 
-void Viewer::follow_path(double seconds) {
-  if (scripted()) {
-    path_seconds_ = instant(*path_, frames_shown_, flags_.flight.frames);
-  } else {
-    path_seconds_ += seconds;
+std::string Viewer::place_text() const {
+  if (!under_cursor_) {
+    return looked_at_ ? "in the sky" : "-";
   }
-  controls_.set_pose(path_->at(std::min(path_seconds_, path_->duration())));
-  if (!scripted() && path_seconds_ >= path_->duration()) {
-    path_.reset();
-    message_ = "end of the path";
-  }
-}
-
-std::optional<glm::dvec3> Viewer::under_cursor() const {
-  const auto world = ground_along(ground_, view_.eye, cursor_ray(view_, window_.cursor()));
-  if (!world) {
-    return std::nullopt;
-  }
-  const Georef& georef = terrain_->manifest().georef;
-  const glm::dvec2 post = georef.world_from_post.inverse(glm::dvec2(*world));
-  return glm::dvec3(georef.crs_from_post.apply(post.x, post.y), world->z);
+  const Georef& georef = shown_->terrain().manifest().georef;
+  const glm::dvec2 post = georef.world_from_post.inverse(glm::dvec2(*under_cursor_));
+  const glm::dvec2 at = georef.crs_from_post.apply(post.x, post.y);
+  return fmt::format("{:.9g}, {:.9g}\n{:.1f} m high", at.x, at.y,
+                     ground_height(shown_->cursor_ground(), glm::dvec2(*under_cursor_)));
 }
 
 void Viewer::draw_panels() {
-  const glm::dvec3 eye = view_.eye;
-  draw_overlay({shown_->name(), controls_.mode() == ControlMode::Map ? "map" : "fly", message_,
-                shown_->refine_stats(), shown_->draw_stats(), terrain_->cache_stats(),
-                flags_.flight.terrain.cache.count, flags_.flight.gpu_memory.count, under_cursor(),
-                eye.z - ground_height(ground_, glm::dvec2(eye)), frozen_},
-               times_, tolerance_px_);
+  const auto chosen = draw_overlay(
+      {shown_->method(), name_of(controls_->mode()), shown_->terrain().manifest().methods,
+       shown_->refine_stats(), shown_->draw_stats(), shown_->terrain().cache_stats(),
+       flags_.flight.terrain.cache.count, flags_.flight.gpu_memory.count, place_text(),
+       above_ground_, frozen_, style_.wireframe},
+      times_, knobs_);
+  if (chosen) {
+    change_method(*chosen);
+  }
+  std::vector<Notice> notices;
+  if (!notice_.text.empty() &&
+      (notice_.mood == Mood::Failure || Seconds(Clock::now() - told_).count() < kToldSeconds)) {
+    notices.push_back(notice_);
+  }
+  draw_notices(notices);
   if (help_) {
     draw_help();
   }
 }
 
+void Viewer::tell(const std::string& text, Mood mood) {
+  notice_ = {text, mood};
+  told_ = Clock::now();
+}
+
 void Viewer::save_screenshot(const fs::path& file) {
   render::write_png(file, frame_->width(), frame_->height(), frame_->read_rgb());
-  message_ = fmt::format("saved {}", file.string());
+  tell(fmt::format("saved {}", fs::absolute(file).string()));
+}
+
+void Viewer::log_frame() {
+  const Clock::time_point now = Clock::now();
+  const double ms = shown_at_ == Clock::time_point() ? 0 : Seconds(now - shown_at_).count() * 1000;
+  shown_at_ = now;
+  if (frames_at_rest_ <= kFramesToRest) {
+    times_.add(static_cast<float>(ms));
+  }
+  if (log_) {
+    const RefineStats& stats = shown_->refine_stats();
+    log_->add({Seconds(now - kProgramStart).count(), ms, "store", shown_->method(),
+               name_of(controls_->mode()), controls_->pose(), above_ground_,
+               window_.cursor().value_or(glm::dvec2(-1)), under_cursor_, frame_->width(),
+               frame_->height(), stats.triangles, stats.late_blocks, stats.achieved_error_px});
+  }
 }
 
 }  // namespace arete::app

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -10,9 +11,10 @@
 
 #include "controls.h"
 #include "flags.h"
-#include "land_rasters.h"
+#include "flight_log.h"
 #include "overlay.h"
-#include "shown_method.h"
+#include "path_recorder.h"
+#include "shown_terrain.h"
 #include "window.h"
 
 namespace arete::app {
@@ -21,6 +23,7 @@ struct ViewFlags {
   FlightFlags flight;  ///< path empty = stay where the user is
   std::string method = "geomipmap";
   std::filesystem::path screenshot;  ///< written after `flight.frames` frames, then quit
+  std::filesystem::path trace;       ///< a FlightLog, or none
 };
 
 /// The interactive viewer.
@@ -31,38 +34,48 @@ class Viewer {
   void run();
 
  private:
+  void show(OpenedTerrain opened);
   void show_frame();
-  void act_on_keys();
-  void press(int key);
-  void next_method();
-  void toggle_recording();
-  void move_camera();
-  void follow_path(double seconds);
+  void draw_land();
   void resize(FrameSize size);
+  void act_on_keys();
+  void press(const KeyPress& press);
+  void set_tolerance(float pixels);
+  void change_method(const std::string& method);
+  void next_method();
+  void press_path_key(bool shift);
+  void go_home();
+  void move_camera();
+  void look_under_cursor();
   void draw_panels();
-  std::optional<glm::dvec3> under_cursor() const;
+  std::string place_text() const;
   void save_screenshot(const std::filesystem::path& file);
+  void tell(const std::string& text, Mood mood = Mood::Note);
+  void log_frame();
+  bool at_rest();
+  double aspect() const;
   bool scripted() const { return !flags_.screenshot.empty(); }
 
   ViewFlags flags_;
-  std::unique_ptr<store::Terrain> terrain_;
-  scene::Ground ground_;
+  std::optional<FlightLog> log_;
+  std::optional<OpenedTerrain> first_;  ///< until the window is there to show it
   Window window_;
-  LandRasters rasters_;
-  std::unique_ptr<ShownMethod> shown_;
+  std::unique_ptr<ShownTerrain> shown_;
+  std::optional<Controls> controls_;  ///< with the first terrain
   std::unique_ptr<render::Frame> frame_;
-  Controls controls_;
-  std::optional<scene::Path> path_;
-  double path_seconds_ = 0;
-  std::optional<std::vector<scene::Keyframe>> recording_;
-  double recorded_seconds_ = 0;
+  PathRecorder path_;
   View view_;
   render::Style style_;
   FrameTimes times_;
-  float tolerance_px_;
+  Knobs knobs_;
+  std::optional<glm::dvec3> under_cursor_;  ///< world metres
+  std::optional<glm::dvec2> looked_at_;     ///< cursor of under_cursor_
+  Pose looked_from_, drawn_from_;
+  double above_ground_ = 0;  ///< metres
   bool frozen_ = false, help_ = false;
-  std::string message_;
-  int frames_shown_ = 0;
+  Notice notice_;
+  std::chrono::steady_clock::time_point told_{}, shown_at_{};
+  int frames_shown_ = 0, frames_at_rest_ = 0;
 };
 
 }  // namespace arete::app

@@ -1,6 +1,7 @@
 #include "window.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 
 #include <epoxy/gl.h>
@@ -13,8 +14,12 @@
 
 #include "arete/core/error.h"
 
+#include "overlay.h"
+
 namespace arete::app {
 namespace {
+
+constexpr double kLongestStep = 0.1;  // seconds: a hiccup must not throw the camera far
 
 bool has_display() {
   const auto set = [](const char* name) {
@@ -53,14 +58,72 @@ GLFWwindow* open_window(const std::string& title, FrameSize size) {
 
 }  // namespace
 
+// A press that is over before the next frame must not be lost: all is noted as it comes.
+struct Window::Events {
+  static Window& of(GLFWwindow* window) {
+    auto& self = *static_cast<Window*>(glfwGetWindowUserPointer(window));
+    self.touched_ = true;
+    return self;
+  }
+
+  static void key(GLFWwindow* window, int key, int scancode, int action, int mods) {
+    Window& self = of(window);
+    if (action != GLFW_PRESS) {
+      return;
+    }
+    const char* const label = glfwGetKeyName(key, scancode);
+    if (label != nullptr && std::isalnum(static_cast<unsigned char>(label[0])) != 0 &&
+        label[1] == 0 && key < GLFW_KEY_ESCAPE) {
+      key = std::toupper(static_cast<unsigned char>(label[0]));  // GLFW's codes are ASCII here
+    }
+    self.arrived_.push_back({key, (mods & GLFW_MOD_SHIFT) != 0});
+  }
+
+  static void button(GLFWwindow* window, int button, int action, int) {
+    constexpr double kSeconds = 0.4, kPixels = 6;
+    Window& self = of(window);
+    if (action != GLFW_PRESS) {
+      return;
+    }
+    // Not glfwGetCursorPos: that is where the mouse is by now.
+    const glm::dvec2 at = self.mouse_;
+    self.pressed_at_ = at;
+    if (button != GLFW_MOUSE_BUTTON_LEFT) {
+      return;
+    }
+    const double now = glfwGetTime();
+    self.double_click_ = now - self.last_click_ < kSeconds && self.last_click_ >= 0 &&
+                         glm::length(at - self.clicked_at_) < kPixels;
+    self.last_click_ = self.double_click_ ? -1 : now;
+    self.clicked_at_ = at;
+  }
+
+  static void drop(GLFWwindow* window, int count, const char** files) {
+    of(window).dropped_.assign(files, files + count);
+  }
+
+  static void moved(GLFWwindow* window, double x, double y) { of(window).mouse_ = {x, y}; }
+  static void scrolled(GLFWwindow* window, double, double) { of(window); }
+  static void size(GLFWwindow* window, int, int) { of(window); }
+  static void refresh(GLFWwindow* window) { of(window); }
+};
+
 Window::Window(const std::string& title, FrameSize size) : window_(open_window(title, size)) {
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);
   glfwSetWindowUserPointer(window_, this);
-  glfwSetKeyCallback(window_, note_key);  // ImGui's own callback passes keys on to this one
+  // ImGui's own callbacks pass keys and buttons on to these.
+  glfwGetCursorPos(window_, &mouse_.x, &mouse_.y);
+  glfwSetKeyCallback(window_, Events::key);
+  glfwSetMouseButtonCallback(window_, Events::button);
+  glfwSetScrollCallback(window_, Events::scrolled);
+  glfwSetCursorPosCallback(window_, Events::moved);
+  glfwSetFramebufferSizeCallback(window_, Events::size);
+  glfwSetWindowRefreshCallback(window_, Events::refresh);
+  glfwSetDropCallback(window_, Events::drop);
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;
-  ImGui::StyleColorsDark();
+  style_overlay();
   ImGui_ImplGlfw_InitForOpenGL(window_, true);
   ImGui_ImplOpenGL3_Init("#version 450");
 }
@@ -71,13 +134,6 @@ Window::~Window() {
   ImGui::DestroyContext();
   glfwDestroyWindow(window_);
   glfwTerminate();
-}
-
-void Window::note_key(GLFWwindow* window, int key, int, int action, int) {
-  // A press that is released before the next frame must not be lost.
-  if (action == GLFW_PRESS) {
-    static_cast<Window*>(glfwGetWindowUserPointer(window))->arrived_.push_back(key);
-  }
 }
 
 bool Window::closed() const {
@@ -94,19 +150,37 @@ FrameSize Window::size() const {
   return {std::max(size.width, 1), std::max(size.height, 1)};
 }
 
-void Window::begin() {
+void Window::set_title(const std::string& title) {
+  glfwSetWindowTitle(window_, title.c_str());
+}
+
+void Window::begin(double wait_seconds) {
   arrived_.clear();
-  glfwPollEvents();
+  dropped_.clear();
+  pressed_at_.reset();
+  double_click_ = touched_ = false;
+  if (wait_seconds > 0) {
+    glfwWaitEventsTimeout(wait_seconds);
+  } else {
+    glfwPollEvents();
+  }
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
-  pressed_ = ImGui::GetIO().WantCaptureKeyboard ? std::vector<int>{} : arrived_;
+  pressed_ = ImGui::GetIO().WantCaptureKeyboard ? std::vector<KeyPress>{} : arrived_;
 }
 
-glm::dvec2 Window::cursor() const {
+std::optional<glm::dvec2> Window::cursor() const {
   const ImGuiIO& io = ImGui::GetIO();
-  return glm::dvec2(io.MousePos.x, io.MousePos.y) *
-         glm::dvec2(io.DisplayFramebufferScale.x, io.DisplayFramebufferScale.y);
+  if (io.WantCaptureMouse || !ImGui::IsMousePosValid()) {
+    return std::nullopt;
+  }
+  return glm::dvec2(io.MousePos.x, io.MousePos.y) * scale();
+}
+
+glm::dvec2 Window::scale() const {
+  const ImVec2 scale = ImGui::GetIO().DisplayFramebufferScale;
+  return {scale.x, scale.y};
 }
 
 Input Window::input() const {
@@ -115,29 +189,38 @@ Input Window::input() const {
     return !io.WantCaptureKeyboard && glfwGetKey(window_, code) == GLFW_PRESS ? 1 : 0;
   };
   Input input;
-  input.seconds = static_cast<double>(io.DeltaTime);
+  input.seconds = std::min(static_cast<double>(io.DeltaTime), kLongestStep);
   input.fly = {key(GLFW_KEY_D) - key(GLFW_KEY_A), key(GLFW_KEY_W) - key(GLFW_KEY_S),
-               key(GLFW_KEY_E) - key(GLFW_KEY_Q), key(GLFW_KEY_LEFT_SHIFT) != 0};
-  if (io.WantCaptureMouse || !ImGui::IsMousePosValid()) {
+               key(GLFW_KEY_E) - key(GLFW_KEY_Q),
+               key(GLFW_KEY_LEFT_SHIFT) + key(GLFW_KEY_RIGHT_SHIFT) != 0};
+  const auto at = cursor();
+  if (!at) {
     return input;
   }
-  input.cursor = cursor();
-  input.moved = glm::dvec2(io.MouseDelta.x, io.MouseDelta.y) *
-                glm::dvec2(io.DisplayFramebufferScale.x, io.DisplayFramebufferScale.y);
+  input.cursor = *at;
+  input.moved = glm::dvec2(io.MouseDelta.x, io.MouseDelta.y) * scale();
   input.left = io.MouseDown[ImGuiMouseButton_Left];
   input.middle = io.MouseDown[ImGuiMouseButton_Middle];
   input.right = io.MouseDown[ImGuiMouseButton_Right];
+  if (pressed_at_) {
+    input.pressed_at = *pressed_at_ * scale();
+  }
   input.wheel = static_cast<double>(io.MouseWheel);
-  input.double_click = ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
+  input.double_click = double_click_;
   return input;
 }
 
 void Window::end(unsigned framebuffer, FrameSize size) {
   ImGui::Render();
-  glBlitNamedFramebuffer(framebuffer, 0, 0, 0, size.width, size.height, 0, 0, size.width,
-                         size.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   glViewport(0, 0, size.width, size.height);
+  if (framebuffer == 0) {
+    glClearColor(0.06F, 0.07F, 0.09F, 1);
+    glClear(GL_COLOR_BUFFER_BIT);
+  } else {
+    glBlitNamedFramebuffer(framebuffer, 0, 0, 0, size.width, size.height, 0, 0, size.width,
+                           size.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  }
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   glfwSwapBuffers(window_);
 }

@@ -55,7 +55,7 @@ TEST(Pick, RayGoesThroughItsPixel) {
 
 TEST(Pick, GroundPointLiesOnTheGroundAndUnderTheCursor) {
   std::mt19937 random(2);
-  const scene::Ground ground = hills();
+  const LeveledGround ground = hills();
   for (int i = 0; i < 100; ++i) {
     const View view = random_view(random);
     const glm::dvec2 cursor = random_cursor(random);
@@ -68,7 +68,7 @@ TEST(Pick, GroundPointLiesOnTheGroundAndUnderTheCursor) {
 
 TEST(Pick, NothingStandsBetweenTheEyeAndTheGroundPoint) {
   std::mt19937 random(3);
-  const scene::Ground ground = hills();
+  const LeveledGround ground = hills();
   for (int i = 0; i < 20; ++i) {
     const View view = random_view(random);
     const auto point = ground_along(ground, view.eye, cursor_ray(view, random_cursor(random)));
@@ -81,7 +81,7 @@ TEST(Pick, NothingStandsBetweenTheEyeAndTheGroundPoint) {
 }
 
 TEST(Pick, SkyHasNoGround) {
-  const scene::Ground ground = hills();
+  const LeveledGround ground = hills();
   EXPECT_FALSE(ground_along(ground, {1500, -1200, 300}, glm::normalize(glm::dvec3(1, 1, 0.01))));
   EXPECT_FALSE(ground_along(ground, {1500, -1200, 300}, {0, 0, 1}));
   EXPECT_FALSE(ground_along(ground, {1500, -1200, 300}, {1, 0, 0}));
@@ -135,7 +135,7 @@ TEST(MapCamera, TurningKeepsThePivot) {
 }
 
 TEST(MapCamera, HomeSeesTheWholeTerrainAndNotMuchElse) {
-  const scene::Ground ground = hills();
+  const LeveledGround ground = hills();
   for (const int width : {300, 800, 1600}) {
     const View view = make_view(home_pose(ground, width / 600.0), width, 600);
     double nearest_edge = 1e9;
@@ -152,7 +152,7 @@ TEST(MapCamera, HomeSeesTheWholeTerrainAndNotMuchElse) {
 }
 
 TEST(MapCamera, LiftedStaysAboveTheGround) {
-  const scene::Ground ground = hills();
+  const LeveledGround ground = hills();
   Pose pose;
   pose.eye = {1000, -900, -500};
   EXPECT_DOUBLE_EQ(lifted(pose, ground, 15).eye.z,

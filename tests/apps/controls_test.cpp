@@ -11,7 +11,7 @@ namespace {
 
 constexpr FrameSize kSize{800, 600};
 
-glm::dvec3 ground_under(const Controls& controls, const scene::Ground& ground, glm::dvec2 cursor) {
+glm::dvec3 ground_under(const Controls& controls, const LeveledGround& ground, glm::dvec2 cursor) {
   const View view = make_view(controls.pose(), kSize.width, kSize.height);
   return ground_along(ground, view.eye, cursor_ray(view, cursor)).value();
 }
@@ -26,7 +26,7 @@ class ControlsTest : public testing::Test {
     controls_.update(input, kSize);
   }
 
-  scene::Ground ground_ = hills();
+  LeveledGround ground_ = hills();
   Controls controls_{ground_, home_pose(ground_, 4.0 / 3)};
   glm::dvec2 cursor_{400, 300};
 };

@@ -65,6 +65,25 @@ TEST_F(GroundTest, OutsideTheGridTheEdgeGoesOn) {
   EXPECT_NEAR(ground.height(1000, 1000), plane(299, 199), 0.01);
 }
 
+TEST_F(GroundTest, WhatIsHeldAnswersWithoutAskingForMore) {
+  const LeveledGround ground = ground_of(*terrain_, store::Fetch::Wait);
+  for (int col = 0; col < 300; col += 7) {
+    EXPECT_NEAR(ground.height_of_level(col, 100, 0, store::Fetch::Held), plane(col, 100), 1);
+  }
+  const store::CacheStats stats = terrain_->cache_stats();
+  EXPECT_EQ(stats.misses, 1U);  // the one tile of the coarsest level
+  EXPECT_EQ(stats.late, 0U);
+}
+
+TEST_F(GroundTest, BelowTheEyeIsExactWhereItIsNear) {
+  const LeveledGround ground = ground_of(*terrain_, store::Fetch::Wait);
+  const glm::dvec2 world = ground.world_from_post.apply(130.3, 40.6);
+  for (const double above : {0.5, 100.0, 1e5}) {
+    EXPECT_NEAR(height_below(ground, {world, plane(130.3, 40.6) + above}), plane(130.3, 40.6),
+                0.01 + 0.001 * above);
+  }
+}
+
 TEST_F(GroundTest, WithoutFineTilesACoarserOneAnswers) {
   const scene::Ground ground = ground_of(*terrain_, store::Fetch::Resident);
   EXPECT_NEAR(ground.height(100, 100), plane(100, 100), 1);

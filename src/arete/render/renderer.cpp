@@ -198,10 +198,12 @@ struct Renderer::Impl {
   void set_clipmaps(const View& view, const Style& style) {
     const glm::dvec2 centre = land.world_from_post.inverse({view.eye.x, view.eye.y});
     frame.has = glm::ivec4(0, 0, 0, land.body == Body::Earth ? 0 : 1);
+    stats.texture_tiles = 0;
     for (std::size_t i = 0; i < clipmaps.size(); ++i) {
       const bool wanted = i == 1 ? style.mask : style.shading == Shading::Land;
       if (!clipmaps[i] || !wanted) continue;
-      clipmaps[i]->update(centre, finest_useful(view), style.texture_tiles);
+      stats.texture_tiles += static_cast<std::uint64_t>(
+          clipmaps[i]->update(centre, finest_useful(view), style.texture_tiles));
       frame.has[static_cast<int>(i)] = 1;
       frame.clips[i] = clipmaps[i]->block(glm::ivec2(frame.eye_post));
       glBindTextureUnit(static_cast<GLuint>(i), clipmaps[i]->texture());

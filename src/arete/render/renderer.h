@@ -78,6 +78,7 @@ struct DrawStats {
   std::uint64_t bytes_uploaded = 0;        ///< vertices, indices, factors and draw records
   std::uint64_t gpu_bytes = 0;             ///< blocks and textures held
   std::uint64_t dropped_batches = 0;       ///< did not fit gpu_memory
+  std::uint64_t texture_tiles = 0;         ///< read by this frame
 };
 
 /// Draws any DrawList. Requires: a current OpenGL 4.5 context for the whole life of the object.

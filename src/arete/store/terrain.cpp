@@ -111,6 +111,7 @@ std::shared_ptr<const void> Terrain::Impl::fetch(const BlockName& name, Fetch ho
     ++hits;
     return block;
   }
+  if (how == Fetch::Held) return nullptr;
   if (!segments[name.segment]->contains(name.key) || known_damaged(name)) return nullptr;
   if (how == Fetch::Wait) {
     ++misses;

@@ -66,8 +66,8 @@ struct CacheStats {
 };
 
 /// Wait reads and verifies on the caller's thread; Resident returns only what is in memory and
-/// asks the prefetch thread for the rest.
-enum class Fetch { Wait, Resident };
+/// asks the prefetch thread for the rest; Held does not even ask.
+enum class Fetch { Wait, Resident, Held };
 
 struct OpenOptions {
   std::size_t cache_bytes = std::size_t{512} << 20U;  ///< hard cap on decoded blocks held
@@ -95,7 +95,7 @@ class Terrain {
   int tiles_x(int level) const;
   int tiles_y(int level) const;
 
-  /// A height tile; null when it is missing, damaged or (Resident) not yet here. A tile outside
+  /// A height tile; null when it is missing, damaged or (Resident, Held) not here. A tile outside
   /// the pyramid is null. Not stored are level-0 tiles without a drawable cell and coarser ones
   /// without a valid post. Throws: nothing.
   std::shared_ptr<const HeightTile> heights(TileId id, Fetch fetch) const;
