@@ -59,7 +59,8 @@ std::string options_key(const raster::DemOptions& o) {
 BuildContext context_of(const Recipe& recipe, ProgressBar& bar) {
   BuildContext context;
   context.threads = recipe.threads;
-  context.memory_limit = recipe.memory_limit;
+  // A picture over the land is kept in memory and takes the other half.
+  context.memory_limit = recipe.memory_limit / (recipe.drape.empty() ? 1 : 2);
   context.progress = [&bar](std::string_view step, double done) {
     bar.show(step, done);
     return !interrupted();
@@ -84,10 +85,13 @@ store::BuildOptions options_of(const Recipe& recipe, const fs::path& store, Exis
 }
 
 void run_build(const Recipe& recipe, const fs::path& store, Existing existing, Talk talk) {
-  const std::unique_ptr<HeightSource> source = raster::open_dem(recipe.dems, recipe.dem);
+  raster::DemOptions dem = recipe.dem;
+  dem.memory_limit = recipe.memory_limit;
+  const std::unique_ptr<HeightSource> source = raster::open_dem(recipe.dems, dem);
   std::unique_ptr<RasterSource> drape;
   if (!recipe.drape.empty()) {
-    drape = raster::open_drape(recipe.drape, source->cols(), source->rows(), source->georef());
+    drape = raster::open_drape(recipe.drape, source->cols(), source->rows(), source->georef(),
+                               recipe.memory_limit / 2);
   }
   ProgressBar bar(talk);
   const BuildContext context = context_of(recipe, bar);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -24,6 +25,9 @@ struct DemOptions {
   std::string crs{};               ///< reproject to "EPSG:N"; empty = leave the posts as they are
   std::optional<std::pair<int, int>> raw_size{};  ///< columns, rows of .r16/.r32
   int max_side = 1 << 24;
+  /// Bytes; reading takes three eighths at most: GDAL's block cache (of the whole process), rows as
+  /// the file keeps them, reprojection. Decides no height.
+  std::size_t memory_limit = std::size_t{1} << 30U;
 };
 
 /// Opens one DEM, or several neighbouring files as one mosaic. Fenced: only the drivers of
@@ -33,9 +37,11 @@ std::unique_ptr<HeightSource> open_dem(const std::vector<std::filesystem::path>&
                                        const DemOptions& options = {});
 
 /// An image as a drape pyramid on the DEM's grid: RGB8, warped when both name a CRS, else stretched
-/// over the whole grid. Throws as open_dem.
+/// over the whole grid. It is kept in memory; Limit when that takes over `memory_limit` bytes.
+/// Throws as open_dem.
 std::unique_ptr<RasterSource> open_drape(const std::filesystem::path& image, int cols, int rows,
-                                         const Georef& georef);
+                                         const Georef& georef,
+                                         std::size_t memory_limit = std::size_t{1} << 30U);
 
 /// Writes a tiled, compressed GeoTIFF (float32, or int16 where that is lossless). Never over an
 /// existing file. Throws: Io; nothing is left then.

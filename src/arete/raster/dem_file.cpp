@@ -36,7 +36,8 @@ std::size_t SampleFormat::sample_bytes() const {
 
 DemFile::DemFile(Parts parts) : parts_(std::move(parts)) {
   row_bytes_ = static_cast<std::size_t>(parts_.cols) * parts_.format.sample_bytes();
-  chunk_rows_ = pick_chunk_rows(parts_, parts_.samples->block_rows(), row_bytes_);
+  block_rows_ = parts_.samples->block_rows();
+  chunk_rows_ = pick_chunk_rows(parts_, block_rows_, row_bytes_);
   counted_.resize(static_cast<std::size_t>(parts_.rows));
   survey();
 }
@@ -60,6 +61,12 @@ void DemFile::release() {
   loaded_rows_ = 0;
   buffer_ = {};
   parts_.samples.reset();
+}
+
+void DemFile::read_in_chunks_of(std::size_t bytes) {
+  release();
+  parts_.buffer_bytes = bytes;
+  chunk_rows_ = pick_chunk_rows(parts_, block_rows_, row_bytes_);
 }
 
 void DemFile::load_chunk_of(int source_row) {

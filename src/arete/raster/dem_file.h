@@ -31,8 +31,8 @@ class DemFile final : public HeightSource {
     SampleFormat format;
     Placement placement;
     std::unique_ptr<Samples> samples;
-    std::function<std::unique_ptr<Samples>()> reopen;   ///< gives them again after release()
-    std::size_t buffer_bytes = std::size_t{64} << 20U;  ///< rows are read in chunks of about this
+    std::function<std::unique_ptr<Samples>()> reopen;  ///< gives them again after release()
+    std::size_t buffer_bytes = 0;                      ///< rows are read in chunks of about this
   };
   explicit DemFile(Parts parts);
 
@@ -44,6 +44,8 @@ class DemFile final : public HeightSource {
   std::string description() const override;
   /// Closes the file and frees the buffer until the next read_row.
   void release();
+  /// Closes it, too; from now on rows are read in chunks of about so many bytes.
+  void read_in_chunks_of(std::size_t bytes);
   bool holds_memory() const { return parts_.samples != nullptr; }
   bool located() const { return parts_.placement.located; }
   const std::string& name() const { return parts_.name; }
@@ -55,7 +57,7 @@ class DemFile final : public HeightSource {
 
   Parts parts_;
   std::size_t row_bytes_ = 0;
-  int chunk_rows_ = 1;
+  int block_rows_ = 1, chunk_rows_ = 1;
   int loaded_first_ = 0, loaded_rows_ = 0;
   std::vector<std::byte> buffer_;
   Tally tally_;

@@ -21,6 +21,7 @@ constexpr int kTile = 256;
 constexpr int kChannels = 3;
 constexpr int kFinestLog2 = 3;
 constexpr std::int64_t kMaxTexels = std::int64_t{1} << 30;
+// Beyond these a picture is shrunk, whatever memory there is: bytes must not depend on it.
 constexpr std::int64_t kMaxPicturePixels = std::int64_t{160} << 20;
 constexpr std::int64_t kKeptTexels = std::int64_t{16} << 20;
 constexpr std::uint8_t kOutside = 128;  ///< grey where the picture does not reach
@@ -299,6 +300,19 @@ RasterShape shape_for(int cols, int rows, int log2) {
   return shape;
 }
 
+// The picture, and the texels that are kept with all levels above them.
+void require_memory(const PictureFile& file, int shrink, const RasterShape& shape,
+                    std::size_t memory_limit) {
+  const std::int64_t pixels = (std::int64_t{file.width} >> shrink) * (file.height >> shrink);
+  const std::int64_t kept = std::min(kKeptTexels, std::int64_t{shape.width} * shape.height);
+  const std::int64_t bytes = kChannels * (pixels + kept * 4 / 3);
+  if (bytes <= static_cast<std::int64_t>(memory_limit)) return;
+  throw Error(ErrorCode::Limit,
+              fmt::format("{}: takes {} MiB of memory, half of --memory-limit at most: raise it to "
+                          "{}M, or shrink the picture",
+                          file.name, bytes >> 20U, (2 * bytes >> 20U) + 1));
+}
+
 // Pixels in 360 degrees if the picture spans them, else 0.
 double period_of(const PictureFile& file) {
   if (!file.geographic) return 0;
@@ -309,7 +323,7 @@ double period_of(const PictureFile& file) {
 }  // namespace
 
 std::unique_ptr<RasterSource> open_drape(const std::filesystem::path& image, int cols, int rows,
-                                         const Georef& georef) {
+                                         const Georef& georef, std::size_t memory_limit) {
   PictureFile file = open_picture(image);
   GridPlace posts{georef.crs_from_post, georef.crs};
   double period = 0;
@@ -322,10 +336,11 @@ std::unique_ptr<RasterSource> open_drape(const std::filesystem::path& image, int
   const double density = pixels_per_post(GridMap(posts, file.place, file.name, 0), cols, rows);
   const int finer = finest_log2(density, cols, rows);
   const int shrink = shrink_log2(file, density / std::ldexp(1.0, finer));
+  const RasterShape shape = shape_for(cols, rows, finer);
+  require_memory(file, shrink, shape, memory_limit);
   const GridPlace pixels = shrunk_place(file.place, shrink);
   return std::make_unique<Drape>(read_picture(file, shrink), texel_place(posts, finer), pixels,
-                                 shape_for(cols, rows, finer), std::ldexp(period, -shrink),
-                                 file.name);
+                                 shape, std::ldexp(period, -shrink), file.name);
 }
 
 }  // namespace arete::raster

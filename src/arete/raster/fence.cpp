@@ -61,7 +61,7 @@ void set_options() {
   CPLSetConfigOption("CPL_VSIL_CURL_ALLOWED_EXTENSIONS", ".none");
   CPLSetConfigOption("CPL_DEBUG", "OFF");
   CPLSetConfigOption("GTIFF_POINT_GEO_IGNORE", "NO");
-  CPLSetConfigOption("GDAL_CACHEMAX", "128");   // MiB
+  CPLSetConfigOption("GDAL_CACHEMAX", "128");   // MiB, until limit_block_cache
   CPLSetConfigOption("GDAL_NUM_THREADS", "2");  // GTiff's decoding and encoding
   OSRSetPROJEnableNetwork(0);
 }
@@ -157,6 +157,11 @@ void raise_fence() {
     set_options();
     register_drivers();
   });
+}
+
+void limit_block_cache(std::size_t memory_limit) {
+  constexpr std::size_t kLeast = std::size_t{16} << 20U, kMost = std::size_t{128} << 20U;
+  GDALSetCacheMax64(static_cast<GIntBig>(std::clamp(memory_limit / 8, kLeast, kMost)));
 }
 
 Messages::Messages() {

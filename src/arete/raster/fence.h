@@ -18,6 +18,9 @@ using Dataset = std::unique_ptr<GDALDataset, DatasetCloser>;
 /// every entry of this room calls it first. Safe from several threads.
 void raise_fence();
 
+/// Lets GDAL's block cache hold an eighth of a memory limit, 16 to 128 MiB.
+void limit_block_cache(std::size_t memory_limit);
+
 /// Collects what GDAL says on this thread while it lives; the innermost one hears.
 class Messages {
  public:

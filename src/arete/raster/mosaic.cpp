@@ -185,6 +185,18 @@ PostRect hull(const std::vector<Member>& members) {
   return all;
 }
 
+// The most files that any row of the mosaic crosses.
+std::size_t most_in_a_row(const std::vector<Member>& members) {
+  std::map<int, int> begun;  // how many more files there are from this row on
+  for (const Member& member : members) {
+    ++begun[member.rect.row0];
+    --begun[member.rect.row1];
+  }
+  int now = 0, most = 1;
+  for (const auto& [row, more] : begun) most = std::max(most, now += more);
+  return static_cast<std::size_t>(most);
+}
+
 Georef georef_of(const DemFile& first, const PostRect& all) {
   Georef georef = first.georef();
   georef.notes.clear();
@@ -198,8 +210,8 @@ Georef georef_of(const DemFile& first, const PostRect& all) {
 
 }  // namespace
 
-std::unique_ptr<HeightSource> make_mosaic(std::vector<std::unique_ptr<DemFile>> files,
-                                          int max_side) {
+std::unique_ptr<HeightSource> make_mosaic(std::vector<std::unique_ptr<DemFile>> files, int max_side,
+                                          std::size_t buffer_bytes) {
   const DemFile& first = *files.front();
   std::vector<Member> members;
   for (std::unique_ptr<DemFile>& file : files) {
@@ -226,6 +238,8 @@ std::unique_ptr<HeightSource> make_mosaic(std::vector<std::unique_ptr<DemFile>> 
     PostRect& rect = member.rect;
     rect = {rect.col0 - all.col0, rect.row0 - all.row0, rect.col1 - all.col0, rect.row1 - all.row0};
   }
+  const std::size_t share = buffer_bytes / most_in_a_row(members);
+  for (const Member& member : members) member.file->read_in_chunks_of(share);
   Georef georef = georef_of(first, all);
   return std::make_unique<Mosaic>(std::move(members), std::move(georef), static_cast<int>(cols),
                                   static_cast<int>(rows));

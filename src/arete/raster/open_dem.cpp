@@ -16,7 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kBufferBytes = std::size_t{64} << 20U;
+// Rows as the file keeps them: beyond this, more at once do not read faster.
+constexpr std::size_t kMostRowBytes = std::size_t{64} << 20U;
 
 bool is_raw(const fs::path& file) {
   return file.extension() == ".r16" || file.extension() == ".r32";
@@ -177,14 +178,14 @@ std::unique_ptr<DemFile> open_raw(const fs::path& file, const DemOptions& option
 
 std::unique_ptr<HeightSource> open_posts(const std::vector<fs::path>& files,
                                          const DemOptions& options) {
-  if (files.size() == 1) return open_dem_file(files.front(), options, kBufferBytes);
-  const std::size_t share = std::max(kBufferBytes / 32, 4 * kBufferBytes / files.size());
+  const std::size_t buffer = std::min(kMostRowBytes, options.memory_limit / 16);
+  if (files.size() == 1) return open_dem_file(files.front(), options, buffer);
   std::vector<std::unique_ptr<DemFile>> members;
   for (const fs::path& file : files) {
-    members.push_back(open_dem_file(file, options, std::min(kBufferBytes, share)));
+    members.push_back(open_dem_file(file, options, buffer));
     members.back()->release();
   }
-  return make_mosaic(std::move(members), options.max_side);
+  return make_mosaic(std::move(members), options.max_side, buffer);
 }
 
 }  // namespace
@@ -202,6 +203,7 @@ std::unique_ptr<HeightSource> open_dem(const std::vector<fs::path>& files,
     throw Error(ErrorCode::Usage, "the vertical scale must be a number other than 0");
   }
   raise_fence();
+  limit_block_cache(options.memory_limit);
   std::unique_ptr<HeightSource> source = open_posts(files, options);
   if (options.crs.empty()) return source;
   return reproject(std::move(source), display_name(files.front()), options);

@@ -18,19 +18,24 @@
 namespace arete::raster {
 namespace {
 
-constexpr std::size_t kCacheBytes = std::size_t{256} << 20U;
-constexpr int kStripRows = 64;
+constexpr int kMostStripRows = 64;
 constexpr int kTileCols = 256;
 constexpr double kTolerancePosts = 0.01;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
+std::size_t row_bytes(int cols) {
+  return static_cast<std::size_t>(cols) * sizeof(float);
+}
+
+int strip_rows(int cols, std::size_t bytes) {
+  return static_cast<int>(std::clamp<std::size_t>(bytes / row_bytes(cols), 1, kMostStripRows));
+}
+
 // The source's rows that were used last, oldest dropped first.
 class RowCache {
  public:
-  explicit RowCache(HeightSource& source) : source_(source) {
-    const std::size_t row_bytes = static_cast<std::size_t>(source.cols()) * sizeof(float);
-    capacity_ = std::max<std::size_t>(2, kCacheBytes / row_bytes);
-  }
+  RowCache(HeightSource& source, std::size_t bytes)
+      : source_(source), capacity_(std::max<std::size_t>(2, bytes / row_bytes(source.cols()))) {}
 
   // Pointers to rows first..last, good until the next call.
   const std::vector<const float*>& fetch(int first, int last) {
@@ -135,14 +140,15 @@ float sample(const std::vector<const float*>& rows, int first_row, glm::dvec2 at
 class Reprojected final : public HeightSource {
  public:
   Reprojected(std::unique_ptr<HeightSource> source, const Grid& grid, Georef georef,
-              const std::string& name)
+              const std::string& name, std::size_t memory_limit)
       : source_(std::move(source)),
         grid_(grid),
         georef_(std::move(georef)),
         map_({grid.crs_from_post, georef_.crs},
              {source_->georef().crs_from_post, source_->georef().crs}, name, kTolerancePosts),
-        cache_(*source_),
-        strip_(static_cast<std::size_t>(grid.cols) * kStripRows) {}
+        cache_(*source_, memory_limit / 8),
+        strip_rows_(strip_rows(grid.cols, memory_limit / 16)),
+        strip_(static_cast<std::size_t>(grid.cols) * static_cast<std::size_t>(strip_rows_)) {}
 
   int cols() const override { return grid_.cols; }
   int rows() const override { return grid_.rows; }
@@ -160,16 +166,18 @@ class Reprojected final : public HeightSource {
   std::string description() const override { return source_->description(); }
 
   void read_row(int r, std::span<float> row) override {
-    if (r < strip_first_ || r >= strip_first_ + kStripRows) fill_strip(r / kStripRows * kStripRows);
+    if (r < strip_first_ || r >= strip_first_ + strip_rows_) {
+      fill_strip(r / strip_rows_ * strip_rows_);
+    }
     const auto start = strip_.begin() + std::ptrdiff_t{r - strip_first_} * grid_.cols;
     std::copy(start, start + grid_.cols, row.begin());
   }
 
  private:
   void fill_strip(int first) {
-    strip_first_ = -kStripRows;
+    strip_first_ = -strip_rows_;
     std::fill(strip_.begin(), strip_.end(), kNone);
-    const int count = std::min(kStripRows, grid_.rows - first);
+    const int count = std::min(strip_rows_, grid_.rows - first);
     for (int col = 0; col < grid_.cols; col += kTileCols) {
       fill_tile(first, count, col, std::min(kTileCols, grid_.cols - col));
     }
@@ -221,8 +229,9 @@ class Reprojected final : public HeightSource {
   Georef georef_;
   GridMap map_;
   RowCache cache_;
+  int strip_rows_;
   std::vector<float> strip_;
-  int strip_first_ = -kStripRows;
+  int strip_first_ = -strip_rows_;
   std::vector<double> x_, y_;
 };
 
@@ -254,7 +263,8 @@ std::unique_ptr<HeightSource> reproject(std::unique_ptr<HeightSource> source,
   }
   georef.crs_from_post = grid.crs_from_post;
   fill_world(georef, grid.cols, grid.rows, &target);
-  return std::make_unique<Reprojected>(std::move(source), grid, std::move(georef), name);
+  return std::make_unique<Reprojected>(std::move(source), grid, std::move(georef), name,
+                                       options.memory_limit);
 }
 
 }  // namespace arete::raster
