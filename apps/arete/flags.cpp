@@ -54,6 +54,10 @@ void add_flight(CLI::App& verb, FlightFlags& flags) {
       ->capture_default_str()
       ->check(CLI::IsMember({"up", "rig", "ang"}));
   add_settings(verb, flags.terrain.method_flags);
+  // After --set, whose values replace what is there.
+  verb.add_flag_callback(
+      "--literal", [&flags] { flags.terrain.method_flags.settings.emplace_back("literal=true"); },
+      "The method as its paper has it, with what that cannot keep (as --set literal=true)");
   add_cache(verb, flags.terrain.cache);
 }
 

@@ -11,6 +11,7 @@
 #include "arete/lod/engine.h"
 
 #include "lod/built_terrain.h"
+#include "lod/variants.h"
 
 namespace {
 std::atomic<std::uint64_t> allocations{0};
@@ -35,9 +36,9 @@ namespace {
 TEST(Allocation, RefineAllocatesNothingOnceWarm) {
   const BuiltTerrain terrain(rough_dem(257, 193, 1, 0.1), {{"patch", "17"}});
   const auto opened = terrain.open();
-  for (const EngineInfo& info : engines()) {
-    SCOPED_TRACE(info.name);
-    const auto engine = info.open(*opened, {{"patch", "17"}});
+  for (const Variant& tested : variants()) {
+    SCOPED_TRACE(tested.name);
+    const auto engine = tested.open(*opened, "17");
     DrawList list;
     for (int k = 0; k < 200; ++k) engine->refine(flight_view(k / 200.0), {}, list);
     const std::uint64_t before = allocations;

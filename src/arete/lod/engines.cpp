@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "arete/core/error.h"
+#include "arete/lod/deboer/deboer.h"
 #include "arete/lod/engine.h"
 #include "arete/lod/full/full.h"
 #include "arete/lod/geomipmap/geomipmap.h"
@@ -11,10 +12,13 @@
 namespace arete::lod {
 
 std::span<const EngineInfo> engines() {
-  static constexpr std::array<EngineInfo, 2> kEngines{{
+  static constexpr std::array<EngineInfo, 3> kEngines{{
       {"full", "", "every post, every triangle: the reference", full::preprocess, full::open},
       {"geomipmap", "Wagner2003", "square patches, continuous levels, nine-factor geomorph",
        geomipmap::preprocess, geomipmap::open},
+      {"deboer", "deBoer2000",
+       "square blocks, levels by distance, sides of any difference, no morph", deboer::preprocess,
+       deboer::open},
   }};
   return kEngines;
 }

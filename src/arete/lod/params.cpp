@@ -29,6 +29,21 @@ int int_param(const Params& params, std::string_view name, int otherwise,
   return value;
 }
 
+bool flag_param(const Params& params, std::string_view name) {
+  const std::string_view text = param(params, name, "false");
+  if (text == "true") return true;
+  if (text == "false") return false;
+  throw Error(ErrorCode::Usage, fmt::format("{}={}: unknown: use true or false", name, text));
+}
+
+Topology topology_param(const Params& params, Topology otherwise) {
+  const std::string_view text = param(params, "topology", "");
+  if (text.empty()) return otherwise;
+  if (text == "list") return Topology::Triangles;
+  if (text == "strip") return Topology::Strip;
+  throw Error(ErrorCode::Usage, fmt::format("topology={}: unknown: use list or strip", text));
+}
+
 void check_names(const Params& params, std::initializer_list<std::string_view> known) {
   for (const auto& entry : params) {
     if (std::ranges::find(known, entry.first) != known.end()) continue;

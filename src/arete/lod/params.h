@@ -12,6 +12,10 @@ std::string_view param(const Params& params, std::string_view name, std::string_
 /// A whole number in [low, high]. Throws: Usage.
 int int_param(const Params& params, std::string_view name, int otherwise,
               std::pair<int, int> range);
+/// "true" or "false", which is the default. Throws: Usage.
+bool flag_param(const Params& params, std::string_view name);
+/// Parameter "topology": list or strip. Throws: Usage.
+Topology topology_param(const Params& params, Topology otherwise);
 /// Throws: Usage when params hold a name that is not known.
 void check_names(const Params& params, std::initializer_list<std::string_view> known);
 

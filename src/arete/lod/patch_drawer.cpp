@@ -193,14 +193,16 @@ ScreenError PatchEngine::coarsen(const View& view, const RefineOptions& options,
   const double base_px = std::max(asked_px, kLeastPx);
   const ScreenError base(view, base_px, options.scale);
   stats.tolerance_px = asked_px;
+  double used_px = asked_px;
   const auto excess = [&](double log_times) {
-    const double times = std::exp(log_times);
-    if (log_times > 0) used = base.coarser(times);
-    stats.evaluated_vertices += set_levels(view, used, log_times > 0 ? base_px * times : asked_px);
+    if (log_times > 0) {
+      used_px = base_px * std::exp(log_times);
+      used = base.coarser(std::exp(log_times));
+    }
+    stats.evaluated_vertices += set_levels(view, used, used_px);
     return drawer_.excess(field(), options.budget);
   };
-  if (least_fitting(std::ref(excess)) > 0)
-    stats.tolerance_px = used.tolerance_px(drawer_.nearest_m(field()));
+  if (least_fitting(std::ref(excess)) > 0) stats.tolerance_px = kept_px(used, used_px);
   return used;
 }
 

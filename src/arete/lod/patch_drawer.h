@@ -76,6 +76,10 @@ class PatchEngine : public Engine {
   /// enough, every patch stands at the coarsest. Returns how many errors it looked at.
   virtual std::uint64_t set_levels(const View& view, const ScreenError& error,
                                    double tolerance_px) = 0;
+  /// The tolerance that levels so set keep.
+  virtual double kept_px(const ScreenError& error, double) const {
+    return error.tolerance_px(drawer_.nearest_m(field()));
+  }
 
   PatchDrawer drawer_;
 

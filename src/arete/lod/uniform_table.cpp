@@ -104,7 +104,8 @@ std::string uniform_segment(int log2_cells) {
   return fmt::format("maxerror-{}", (1 << log2_cells) + 1);
 }
 
-void write_uniform_table(const store::Terrain& terrain, store::Writers& writers, int w) {
+void write_uniform_tables(const store::Terrain& terrain, store::Writers& writers, int w) {
+  write_patch_table(terrain, writers, w);
   const store::SegmentPlan named{
       uniform_segment(w), fmt::format("max-error-vertices 1 cells={}", 1 << w), 0, {}};
   const double quantum_m = terrain.manifest().quantum_m;

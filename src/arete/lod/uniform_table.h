@@ -44,6 +44,7 @@ class UniformTable {
 
 /// "maxerror-17" and so on.
 std::string uniform_segment(int log2_cells);
-void write_uniform_table(const store::Terrain& terrain, store::Writers& writers, int log2_cells);
+/// Writes it, and the patch table that it goes with.
+void write_uniform_tables(const store::Terrain& terrain, store::Writers& writers, int log2_cells);
 
 }  // namespace arete::lod

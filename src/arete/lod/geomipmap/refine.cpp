@@ -1,7 +1,5 @@
-#include <fmt/format.h>
-
-#include "arete/core/error.h"
 #include "arete/lod/geomipmap/geomipmap.h"
+#include "arete/lod/geomipmap/literal.h"
 #include "arete/lod/params.h"
 #include "arete/lod/patch_drawer.h"
 
@@ -17,19 +15,13 @@ class GeomipmapEngine final : public LevelFieldEngine {
   }
 };
 
-Topology parse_topology(std::string_view text) {
-  if (text == "list") return Topology::Triangles;
-  if (text == "strip") return Topology::Strip;
-  throw Error(ErrorCode::Usage, fmt::format("topology={}: unknown: use list or strip", text));
-}
-
 }  // namespace
 
 std::unique_ptr<Engine> open(const store::Terrain& terrain, const Params& params) {
-  check_names(params, {"patch", "topology"});
+  check_names(params, {"patch", "topology", "literal"});
+  if (flag_param(params, "literal")) return open_literal(terrain, params);
   const int w = parse_patch(param(params, "patch", "auto"), terrain.manifest());
-  return std::make_unique<GeomipmapEngine>(terrain, w,
-                                           parse_topology(param(params, "topology", "list")));
+  return std::make_unique<GeomipmapEngine>(terrain, w, topology_param(params, Topology::Triangles));
 }
 
 }  // namespace arete::lod::geomipmap
