@@ -55,21 +55,35 @@ Cached look_up(const fs::path& store, const std::vector<std::string>& methods) {
   }
 }
 
-fs::path cached_store(const TerrainFlags& flags, const std::vector<std::string>& methods) {
+Recipe recipe_of(const TerrainFlags& flags, const std::vector<std::string>& methods) {
   Recipe recipe;
   recipe.dems = {flags.terrain};
   recipe.methods = methods;
   recipe.method_flags = flags.method_flags;
+  return recipe;
+}
+
+fs::path cached_path(const TerrainFlags& flags, const Recipe& recipe) {
   // The hash only has to be the same for the same compiler: another one builds anew.
   std::string text = source_key(recipe) + "|" + flags.method_flags.patch;
   for (const std::string& setting : flags.method_flags.settings) {
     text += "|" + setting;
   }
   const std::size_t key = std::hash<std::string>{}(text);
-  const fs::path directory = cache_directory();
-  fs::create_directories(directory);
-  const fs::path store =
-      directory / fmt::format("{}-{:016x}.arete", flags.terrain.stem().string(), key);
+  return cache_directory() / fmt::format("{}-{:016x}.arete", flags.terrain.stem().string(), key);
+}
+
+void note_use(const fs::path& store) {
+  std::error_code ignored;
+  fs::last_write_time(store, fs::file_time_type::clock::now(), ignored);
+}
+
+fs::path cached_store(const TerrainFlags& flags, const std::vector<std::string>& methods,
+                      const BuildProgress& progress) {
+  Recipe recipe = recipe_of(flags, methods);
+  recipe.progress = progress;
+  const fs::path store = cached_path(flags, recipe);
+  fs::create_directories(store.parent_path());
   if (const Cached cached = look_up(store, methods); cached == Cached::Damaged) {
     std::error_code ignored;
     fs::remove_all(store, ignored);
@@ -77,10 +91,17 @@ fs::path cached_store(const TerrainFlags& flags, const std::vector<std::string>&
   } else if (cached != Cached::Whole) {
     build_store(recipe, store, Existing::Keep, flags.talk);
   }
-  std::error_code ignored;
-  fs::last_write_time(store, fs::file_time_type::clock::now(), ignored);
-  drop_oldest(directory, store, kCacheLimit);
+  note_use(store);
+  drop_oldest(store.parent_path(), store, kCacheLimit);
   return store;
+}
+
+void require_there(const fs::path& terrain) {
+  if (!fs::exists(terrain)) {
+    throw Error(ErrorCode::NotFound,
+                fmt::format("{}: no such file or directory: name a .arete store or a DEM",
+                            terrain.string()));
+  }
 }
 
 }  // namespace
@@ -129,13 +150,24 @@ void drop_oldest(const fs::path& directory, const fs::path& keep, std::uintmax_t
   }
 }
 
-fs::path store_of(const TerrainFlags& flags, const std::vector<std::string>& methods) {
-  if (!fs::exists(flags.terrain)) {
-    throw Error(ErrorCode::NotFound,
-                fmt::format("{}: no such file or directory: name a .arete store or a DEM",
-                            flags.terrain.string()));
+fs::path store_of(const TerrainFlags& flags, const std::vector<std::string>& methods,
+                  const BuildProgress& progress) {
+  require_there(flags.terrain);
+  return is_store(flags.terrain) ? flags.terrain : cached_store(flags, methods, progress);
+}
+
+std::optional<fs::path> ready_store(const TerrainFlags& flags,
+                                    const std::vector<std::string>& methods) {
+  require_there(flags.terrain);
+  if (is_store(flags.terrain)) {
+    return flags.terrain;
   }
-  return is_store(flags.terrain) ? flags.terrain : cached_store(flags, methods);
+  const fs::path store = cached_path(flags, recipe_of(flags, methods));
+  if (look_up(store, methods) != Cached::Whole) {
+    return std::nullopt;
+  }
+  note_use(store);
+  return store;
 }
 
 std::unique_ptr<store::Terrain> open_store(const TerrainFlags& flags, const fs::path& store) {

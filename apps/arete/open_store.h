@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "method_flags.h"
 #include "progress.h"
 #include "quantities.h"
+#include "recipe.h"
 
 namespace arete::app {
 
@@ -26,7 +28,11 @@ struct TerrainFlags {
 /// ~/.cache/arete under a name that is keyed by path, size, mtime and options; stores that were
 /// not used for longest go when the directory holds more than 20 GB.
 /// Throws: as build_store; NotFound.
-std::filesystem::path store_of(const TerrainFlags& flags, const std::vector<std::string>& methods);
+std::filesystem::path store_of(const TerrainFlags& flags, const std::vector<std::string>& methods,
+                               const BuildProgress& progress = {});
+/// The same when nothing has to be built for it. Throws: NotFound.
+std::optional<std::filesystem::path> ready_store(const TerrainFlags& flags,
+                                                 const std::vector<std::string>& methods);
 
 /// Opens a store with the cache budget.
 std::unique_ptr<store::Terrain> open_store(const TerrainFlags& flags,

@@ -28,9 +28,9 @@ void say(const std::string& text, const ImVec4& colour = kBright) {
   ImGui::PopStyleColor();
 }
 
-void label(const char* name) {
+void label(std::string_view name) {
   ImGui::AlignTextToFramePadding();
-  say(name, kDim);
+  say(std::string(name.substr(0, name.find('#'))), kDim);
   ImGui::SameLine(kLabelWidth);
 }
 
@@ -49,6 +49,11 @@ void budget_bar(const char* name, std::uint64_t bytes, std::size_t budget) {
   ImGui::PushStyleColor(ImGuiCol_PlotHistogram, share > 0.98F ? kAmber : kBlue);
   ImGui::ProgressBar(std::min(share, 1.0F), ImVec2(kWidth - kLabelWidth, 0), text.c_str());
   ImGui::PopStyleColor();
+}
+
+std::string length_text(double metres) {
+  return metres < 10'000 ? fmt::format("{:.1f} m", metres)
+                         : fmt::format("{:.1f} km", metres / 1000);
 }
 
 void draw_times(const FrameTimes& times) {
@@ -75,15 +80,20 @@ std::optional<std::string> choose_method(const OverlayText& text) {
   return chosen;
 }
 
+/// The error, and what stands against the tolerance that was asked for.
+void draw_error(const OverlayText& text, float tolerance_px) {
+  const RefineStats& stats = text.refine;
+  std::string value = fmt::format("{:.2f} px", stats.achieved_error_px);
+  const bool capped = stats.tolerance_px > 1.001 * static_cast<double>(tolerance_px);
+  if (stats.late_blocks != 0) {
+    value += fmt::format(", {} tiles coming", grouped(stats.late_blocks));
+  } else if (capped) {
+    value += fmt::format(", budget: {:.2f} px", stats.tolerance_px);
+  }
+  row("error", value, stats.late_blocks != 0 || capped ? kAmber : kBright);
+}
+
 void draw_counts(const OverlayText& text) {
-  row("triangles", grouped(text.refine.triangles));
-  row("evaluated", grouped(text.refine.evaluated_vertices) + " vertices");
-  row("error",
-      fmt::format("{:.2f} px{}", text.refine.achieved_error_px,
-                  text.refine.late_blocks != 0
-                      ? fmt::format(", {} tiles coming", grouped(text.refine.late_blocks))
-                      : ""),
-      text.refine.late_blocks != 0 ? kAmber : kBright);
   budget_bar("cache", text.cache.resident_bytes, text.cache_budget);
   budget_bar("GPU", text.draw.gpu_bytes, text.gpu_budget);
   if (text.draw.dropped_batches != 0) {
@@ -94,11 +104,34 @@ void draw_counts(const OverlayText& text) {
   }
 }
 
-void draw_knobs(Knobs& knobs) {
+constexpr ImGuiSliderFlags kLogSlider = ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp;
+
+/// True once the user lets go.
+bool memory_slider(const char* name, int& mib, int least) {
+  label(name);
+  ImGui::PushID(name);
+  ImGui::SetNextItemWidth(kWidth - kLabelWidth);
+  ImGui::SliderInt("##mib", &mib, least, 16384, "%d MiB", kLogSlider);
+  const bool set = ImGui::IsItemDeactivatedAfterEdit();
+  ImGui::PopID();
+  return set;
+}
+
+bool draw_knobs(Knobs& knobs) {
   label("tolerance");
   ImGui::SetNextItemWidth(kWidth - kLabelWidth);
-  ImGui::SliderFloat("##tolerance", &knobs.tolerance_px, 0.1F, 32, "%.2f px",
-                     ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
+  ImGui::SliderFloat("##tolerance", &knobs.tolerance_px, 0.1F, 32, "%.2f px", kLogSlider);
+  if (!ImGui::TreeNodeEx("budgets", ImGuiTreeNodeFlags_NoTreePushOnOpen)) {
+    return false;
+  }
+  const bool all = knobs.triangles == Knobs::kAllTriangles;
+  label("triangles");
+  ImGui::SetNextItemWidth(kWidth - kLabelWidth);
+  ImGui::SliderInt("##triangles", &knobs.triangles, 1000, Knobs::kAllTriangles,
+                   all ? "no limit" : "%d", kLogSlider);
+  const bool cache = memory_slider("cache##knob", knobs.cache_mib, 16);
+  const bool gpu = memory_slider("GPU##knob", knobs.gpu_mib, 16);
+  return cache || gpu;
 }
 
 ImVec4 colour_of(Mood mood) {
@@ -140,26 +173,28 @@ void style_overlay() {
   style.Colors[ImGuiCol_PlotLines] = ImVec4(0.55F, 0.80F, 1.0F, 1);
 }
 
-std::optional<std::string> draw_overlay(const OverlayText& text, const FrameTimes& times,
-                                        Knobs& knobs) {
+Wishes draw_overlay(const OverlayText& text, const FrameTimes& times, Knobs& knobs) {
   ImGui::SetNextWindowPos(ImVec2(12, 12), ImGuiCond_FirstUseEver);
-  std::optional<std::string> chosen;
+  Wishes wishes;
   if (ImGui::Begin("Arete", nullptr, kPanel)) {
     draw_times(times);
-    chosen = choose_method(text);
-    draw_knobs(knobs);
+    wishes.method = choose_method(text);
+    row("triangles", grouped(text.refine.triangles));
+    row("evaluated", grouped(text.refine.evaluated_vertices) + " vertices");
+    draw_error(text, knobs.tolerance_px);
     draw_counts(text);
+    wishes.memory = draw_knobs(knobs);
     ImGui::Separator();
     row("cursor", text.place);
-    row("eye", fmt::format("{:.1f} m above the ground", text.eye_height));
-    row("mouse",
+    row("eye", fmt::format("{} above the ground", length_text(text.eye_height)));
+    row("mode",
         fmt::format("{}{}{}", text.mode, text.frozen ? ", detail frozen (L)" : "",
                     text.wireframe ? ", wireframe (W)" : ""),
         text.frozen ? kAmber : kBright);
     say("H  help", kDim);
   }
   ImGui::End();
-  return chosen;
+  return wishes;
 }
 
 void draw_notices(const std::vector<Notice>& notices) {

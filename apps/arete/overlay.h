@@ -31,7 +31,16 @@ class FrameTimes {
 
 /// What the user can turn.
 struct Knobs {
+  static constexpr int kAllTriangles = 10'000'000;  ///< and more: no limit
   float tolerance_px = 1;
+  int triangles = kAllTriangles;
+  int cache_mib = 512, gpu_mib = 1024;
+};
+
+/// What the user asked for by the panel.
+struct Wishes {
+  std::optional<std::string> method;
+  bool memory = false;  ///< cache_mib or gpu_mib were set
 };
 
 /// What the overlay says about one frame.
@@ -58,9 +67,8 @@ struct Notice {
 
 /// Colours and shapes. Requires: an ImGui context.
 void style_overlay();
-/// Draws the panel of numbers. Returns the method that the user chose, or nothing.
-std::optional<std::string> draw_overlay(const OverlayText& text, const FrameTimes& times,
-                                        Knobs& knobs);
+/// Draws the panel of numbers and knobs.
+Wishes draw_overlay(const OverlayText& text, const FrameTimes& times, Knobs& knobs);
 /// Draws the lines, the last one lowest.
 void draw_notices(const std::vector<Notice>& notices);
 void draw_help();

@@ -61,9 +61,9 @@ BuildContext context_of(const Recipe& recipe, ProgressBar& bar) {
   context.threads = recipe.threads;
   // A picture over the land is kept in memory and takes the other half.
   context.memory_limit = recipe.memory_limit / (recipe.drape.empty() ? 1 : 2);
-  context.progress = [&bar](std::string_view step, double done) {
+  context.progress = [&bar, &recipe](std::string_view step, double done) {
     bar.show(step, done);
-    return !interrupted();
+    return !interrupted() && (!recipe.progress || recipe.progress(step, done));
   };
   return context;
 }
@@ -130,6 +130,12 @@ void build_store(const Recipe& recipe, const fs::path& store, Existing existing,
                 fmt::format("{}: interrupted: run the same command again to go on from here",
                             store.string()));
   }
+}
+
+void build_quietly(const Recipe& recipe, HeightSource& source, const fs::path& store) {
+  ProgressBar bar(Talk::Quiet);
+  const BuildContext context = context_of(recipe, bar);
+  store::build(source, options_of(recipe, store, Existing::Replace, context), context);
 }
 
 }  // namespace arete::app

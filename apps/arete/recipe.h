@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "arete/core/parallel.h"
@@ -13,6 +15,9 @@
 
 namespace arete::app {
 
+/// Told a step's name and its share done, 0..1, on the thread that builds; false cancels.
+using BuildProgress = std::function<bool(std::string_view step, double done)>;
+
 /// All that decides a store's bytes, and how to make them.
 struct Recipe {
   std::vector<std::filesystem::path> dems;
@@ -22,6 +27,7 @@ struct Recipe {
   MethodFlags method_flags;
   std::size_t memory_limit = std::size_t{1} << 30U;  ///< bytes
   int threads = default_threads();
+  BuildProgress progress{};  ///< besides the progress bar; may be empty
 };
 
 enum class Existing { Keep, Replace };
@@ -35,5 +41,9 @@ std::string source_key(const Recipe& recipe);
 /// Throws: as raster::open_dem and store::build.
 void build_store(const Recipe& recipe, const std::filesystem::path& store, Existing existing,
                  Talk talk);
+
+/// Builds a new store from a source instead of the recipe's DEMs, saying nothing. Throws: as
+/// store::build.
+void build_quietly(const Recipe& recipe, HeightSource& source, const std::filesystem::path& store);
 
 }  // namespace arete::app

@@ -7,6 +7,7 @@ namespace arete::app {
 OpenedTerrain open_with_method(const TerrainFlags& flags, const std::filesystem::path& store,
                                const std::string& method) {
   OpenedTerrain opened;
+  opened.source = flags.terrain;
   opened.terrain = open_store(flags, store);
   opened.method = method;
   opened.engine = open_method(flags, method, *opened.terrain);
@@ -17,22 +18,17 @@ ShownTerrain::ShownTerrain(OpenedTerrain opened, std::size_t gpu_memory)
     : opened_(std::move(opened)),
       rasters_(*opened_.terrain),
       ground_(ground_of(*opened_.terrain, store::Fetch::Wait)),
-      cursor_ground_(ground_of(*opened_.terrain, store::Fetch::Resident)) {
-  renderer_.emplace(rasters_.land, gpu_memory);
-}
+      cursor_ground_(ground_of(*opened_.terrain, store::Fetch::Resident)),
+      place_(opened_.terrain->manifest().georef),
+      renderer_(rasters_.land, gpu_memory) {}
 
 void ShownTerrain::change_method(const TerrainFlags& flags, const std::string& method) {
   auto engine = open_method(flags, method, *opened_.terrain);
-  renderer_->forget(*opened_.engine);
+  renderer_.forget(*opened_.engine);
   opened_.engine = std::move(engine);
   opened_.method = method;
   list_.clear();
   refined_ = false;
-}
-
-void ShownTerrain::change_gpu_memory(std::size_t bytes) {
-  renderer_.reset();  // two at once would exceed both caps
-  renderer_.emplace(rasters_.land, bytes);
 }
 
 void ShownTerrain::refine(const View& view, const lod::RefineOptions& options) {
@@ -41,7 +37,7 @@ void ShownTerrain::refine(const View& view, const lod::RefineOptions& options) {
 }
 
 void ShownTerrain::draw(const View& view, const render::Style& style, render::Frame& frame) {
-  renderer_->draw(view, list_, *opened_.engine, style, frame);
+  renderer_.draw(view, list_, *opened_.engine, style, frame);
 }
 
 }  // namespace arete::app

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "arete/lod/engine.h"
@@ -12,17 +11,21 @@
 #include "ground.h"
 #include "land_rasters.h"
 #include "open_store.h"
+#include "place.h"
 
 namespace arete::app {
 
 /// A terrain with one method opened on it: all of a ShownTerrain that any thread can make.
 struct OpenedTerrain {
+  std::filesystem::path source;  ///< as the user named it
   std::unique_ptr<store::Terrain> terrain;
   std::string method;
   std::unique_ptr<lod::Engine> engine;
+  bool preview = false;  ///< the store is still being built
 };
 
-/// Throws: as opening the store and the method does.
+/// Opens the store that was made of flags.terrain. Throws: as opening the store and the method
+/// does.
 OpenedTerrain open_with_method(const TerrainFlags& flags, const std::filesystem::path& store,
                                const std::string& method);
 
@@ -35,8 +38,6 @@ class ShownTerrain {
   /// Another method of the same store, drawn by the same renderer. Throws: as opening a method
   /// does; the old one stays then.
   void change_method(const TerrainFlags& flags, const std::string& method);
-  /// A new renderer under another cap. Throws: as Renderer; nothing may be drawn then.
-  void change_gpu_memory(std::size_t bytes);
 
   void refine(const View& view, const lod::RefineOptions& options);
   /// Draws the latest list, perhaps from another camera than it was refined for.
@@ -47,15 +48,21 @@ class ShownTerrain {
   /// Heights for the camera (exact ones are waited for) and for the cursor (they are asked for).
   const LeveledGround& ground() const { return ground_; }
   const LeveledGround& cursor_ground() const { return cursor_ground_; }
+  const Place& place() const { return place_; }
+  /// The least budget that the method can keep.
+  lod::Budget least_budget() const { return opened_.engine->footprint().least; }
+  const std::filesystem::path& source() const { return opened_.source; }
+  bool preview() const { return opened_.preview; }
   const std::string& method() const { return opened_.method; }
   const RefineStats& refine_stats() const { return list_.stats; }
-  const render::DrawStats& draw_stats() const { return renderer_->stats(); }
+  const render::DrawStats& draw_stats() const { return renderer_.stats(); }
 
  private:
   OpenedTerrain opened_;
   LandRasters rasters_;
   LeveledGround ground_, cursor_ground_;
-  std::optional<render::Renderer> renderer_;
+  Place place_;
+  render::Renderer renderer_;
   DrawList list_;
   bool refined_ = false;
 };

@@ -26,13 +26,24 @@ using Seconds = std::chrono::duration<double>;
 
 const Clock::time_point kProgramStart = Clock::now();
 
-constexpr int kTextureTiles = 8;       // a frame: a few milliseconds at most
-constexpr int kFramesToRest = 20;      // without any change, before the viewer waits for events
-constexpr double kRestSeconds = 0.25;  // a wait for events: late news come that late
+constexpr int kTextureTiles = 8;   // a frame: a few milliseconds at most
+constexpr int kFramesToRest = 20;  // without any change, before the viewer waits for events
 constexpr double kToldSeconds = 8;
 
 bool same_pose(const Pose& a, const Pose& b) {
   return a.eye == b.eye && a.yaw == b.yaw && a.pitch == b.pitch && a.fovy == b.fovy;
+}
+
+// Nothing when the terrain is a DEM that must be built first. A film is not begun without its land.
+std::optional<OpenedTerrain> open_at_once(const ViewFlags& flags) {
+  const TerrainFlags& terrain = flags.flight.terrain;
+  const std::vector<std::string> methods{flags.method};
+  const auto store = flags.screenshot.empty() ? ready_store(terrain, methods)
+                                              : std::optional(store_of(terrain, methods));
+  if (!store) {
+    return std::nullopt;
+  }
+  return open_with_method(terrain, *store, flags.method);
 }
 
 std::string_view name_of(ControlMode mode) {
@@ -42,17 +53,17 @@ std::string_view name_of(ControlMode mode) {
 }  // namespace
 
 Viewer::Viewer(const ViewFlags& flags)
-    : flags_(flags),
-      first_(open_with_method(flags.flight.terrain, store_of(flags.flight.terrain, {flags.method}),
-                              flags.method)),
-      window_("Arete", flags.flight.size) {
+    : flags_(flags), first_(open_at_once(flags)), window_("Arete", flags.flight.size) {
   if (!flags.trace.empty()) {
     log_.emplace(flags.trace);
   }
   knobs_.tolerance_px = static_cast<float>(flags.flight.refine_options().tolerance_px);
-  show(std::move(*first_));
-  if (!flags.flight.path.empty()) {
-    path_.load(scene::make_path(flags.flight.path, shown_->ground()));
+  knobs_.cache_mib = static_cast<int>(flags.flight.terrain.cache.count >> 20U);
+  knobs_.gpu_mib = static_cast<int>(flags.flight.gpu_memory.count >> 20U);
+  if (first_) {
+    show(std::move(*first_));
+  } else {
+    open(flags.flight.terrain.terrain);
   }
 }
 
@@ -64,32 +75,102 @@ void Viewer::run() {
       window_.close();
     }
   }
+  opening_.reset();
+  if (failure_) {
+    std::rethrow_exception(failure_);
+  }
 }
 
+// What is shown stays until there is something else to show.
+void Viewer::open(const fs::path& terrain) {
+  opening_.reset();
+  TerrainFlags flags = flags_.flight.terrain;
+  flags.terrain = opening_file_ = terrain;
+  const std::string& method = shown_ ? shown_->method() : flags_.method;
+  opening_ = std::make_unique<BackgroundOpen>(flags, method);
+}
+
+void Viewer::take_opened() {
+  if (!window_.dropped().empty()) {
+    open(window_.dropped().front());
+  }
+  if (!opening_) {
+    return;
+  }
+  const bool finished = opening_->finished();  // asked first: nothing comes after it
+  if (auto opened = opening_->take()) {
+    show(std::move(*opened));
+  }
+  if (finished) {
+    take_failure();
+    opening_.reset();
+  }
+}
+
+void Viewer::take_failure() {
+  const std::exception_ptr failure = opening_->failure();
+  if (!failure) {
+    return;
+  }
+  if (opening_file_ == flags_.flight.terrain.terrain) {
+    failure_ = failure;
+    if (!shown_) {
+      window_.close();
+    }
+  }
+  try {
+    std::rethrow_exception(failure);
+  } catch (const std::exception& error) {
+    tell(error.what(), Mood::Failure);
+  }
+}
+
+// A preview and its store are the same land: the camera stays.
 void Viewer::show(OpenedTerrain opened) {
+  const bool same = shown_ && shown_->source() == opened.source;
   shown_.reset();  // two renderers at once would exceed the cap on GPU memory
   shown_ = std::make_unique<ShownTerrain>(std::move(opened), flags_.flight.gpu_memory.count);
-  if (!controls_) {
+  if (!same) {
     controls_.emplace(shown_->ground(), home_pose(shown_->ground(), aspect()));
+    path_ = PathRecorder();
+    if (!flags_.flight.path.empty()) {
+      path_.load(scene::make_path(flags_.flight.path, shown_->ground()));
+    }
   }
   controls_->stand_on(shown_->ground());
+  window_.set_title(fmt::format("Arete - {}", shown_->source().filename().string()));
   frozen_ = false;
+  notice_ = {};
   if (shown_->terrain().manifest().drawable_cells == 0) {
     tell("nothing to draw: no square of four posts has data", Mood::Failure);
   }
 }
 
 void Viewer::show_frame() {
-  window_.begin(at_rest() ? kRestSeconds : 0);
+  window_.begin(seconds_to_wait());
   resize(window_.size());
+  take_opened();
   act_on_keys();
+  if (shown_) {
+    show_land();
+  }
+  draw_notices(notices());
+  if (help_) {
+    draw_help();
+  }
+  window_.end(shown_ ? frame_->framebuffer() : 0, {frame_->width(), frame_->height()});
+  if (shown_) {
+    log_frame();
+  }
+}
+
+void Viewer::show_land() {
+  const glm::dvec3& eye = controls_->pose().eye;
   move_camera();
-  above_ground_ = controls_->pose().eye.z - height_below(shown_->ground(), controls_->pose().eye);
+  above_ground_ = eye.z - height_below(shown_->ground(), eye);
   draw_land();
   look_under_cursor();
-  draw_panels();
-  window_.end(frame_->framebuffer(), {frame_->width(), frame_->height()});
-  log_frame();
+  draw_panel();
 }
 
 // The first picture of a terrain is whole; later ones fill in as tiles come.
@@ -100,6 +181,10 @@ void Viewer::draw_land() {
   if (!frozen_ || !shown_->refined()) {
     lod::RefineOptions options = flags_.flight.refine_options();
     options.tolerance_px = static_cast<double>(knobs_.tolerance_px);
+    if (knobs_.triangles < Knobs::kAllTriangles) {
+      options.budget.triangles =
+          std::max(static_cast<std::uint64_t>(knobs_.triangles), shown_->least_budget().triangles);
+    }
     options.on_missing = whole ? lod::OnMissing::Wait : lod::OnMissing::Defer;
     shown_->refine(view_, options);
   }
@@ -118,15 +203,23 @@ double Viewer::aspect() const {
   return static_cast<double>(size.width) / size.height;
 }
 
-// True while nothing has changed for a while: then events are waited for, and the machine is idle.
-bool Viewer::at_rest() {
+// While nothing has changed for some frames events are waited for, and the machine is idle: shortly
+// while a store is being built, so that the build has the machine and its progress is seen.
+double Viewer::seconds_to_wait() {
+  constexpr double kRestSeconds = 0.25, kBuildSeconds = 0.05;
+  if (!shown_) {
+    return kBuildSeconds;
+  }
   const bool moving = window_.touched() || scripted() || path_.replaying() || path_.recording() ||
                       !same_pose(controls_->pose(), drawn_from_) ||
                       shown_->refine_stats().late_blocks != 0 ||
                       shown_->draw_stats().texture_tiles != 0;
   drawn_from_ = controls_->pose();
   frames_at_rest_ = moving ? 0 : frames_at_rest_ + 1;
-  return frames_at_rest_ > kFramesToRest;
+  if (frames_at_rest_ <= kFramesToRest) {
+    return 0;
+  }
+  return opening_ ? kBuildSeconds : kRestSeconds;
 }
 
 void Viewer::act_on_keys() {
@@ -140,15 +233,20 @@ void Viewer::act_on_keys() {
 }
 
 void Viewer::press(const KeyPress& press) {
+  if (press.key == GLFW_KEY_ESCAPE && !help_) {
+    window_.close();
+  } else if (press.key == GLFW_KEY_ESCAPE || press.key == GLFW_KEY_H) {
+    help_ = !help_;
+  } else if (shown_) {
+    press_over_land(press);
+  }
+}
+
+void Viewer::press_over_land(const KeyPress& press) {
   constexpr float kStep = 1.25F;
   switch (press.key) {
-    case GLFW_KEY_ESCAPE:
-      return help_ ? void(help_ = false) : window_.close();
     case GLFW_KEY_F:
       return controls_->toggle_fly();
-    case GLFW_KEY_H:
-      help_ = !help_;
-      return;
     case GLFW_KEY_L:
       frozen_ = !frozen_;
       return;
@@ -187,6 +285,15 @@ void Viewer::change_method(const std::string& method) {
     tell(fmt::format("method {}", method));
   } catch (const Error& error) {
     tell(error.what(), Mood::Failure);
+  }
+}
+
+// Other budgets are another opening of the same terrain; the camera stays.
+void Viewer::change_memory() {
+  flags_.flight.terrain.cache.count = static_cast<std::size_t>(knobs_.cache_mib) << 20U;
+  flags_.flight.gpu_memory.count = static_cast<std::size_t>(knobs_.gpu_mib) << 20U;
+  if (!opening_) {  // else what is being opened takes them when it is shown
+    open(shown_->source());
   }
 }
 
@@ -244,32 +351,41 @@ std::string Viewer::place_text() const {
   if (!under_cursor_) {
     return looked_at_ ? "in the sky" : "-";
   }
-  const Georef& georef = shown_->terrain().manifest().georef;
-  const glm::dvec2 post = georef.world_from_post.inverse(glm::dvec2(*under_cursor_));
-  const glm::dvec2 at = georef.crs_from_post.apply(post.x, post.y);
-  return fmt::format("{:.9g}, {:.9g}\n{:.1f} m high", at.x, at.y,
-                     ground_height(shown_->cursor_ground(), glm::dvec2(*under_cursor_)));
+  const glm::dvec2 world(*under_cursor_);
+  return fmt::format("{}\n{:.1f} m high", shown_->place().text(world),
+                     ground_height(shown_->cursor_ground(), world));
 }
 
-void Viewer::draw_panels() {
-  const auto chosen = draw_overlay(
+void Viewer::draw_panel() {
+  const Wishes wishes = draw_overlay(
       {shown_->method(), name_of(controls_->mode()), shown_->terrain().manifest().methods,
        shown_->refine_stats(), shown_->draw_stats(), shown_->terrain().cache_stats(),
        flags_.flight.terrain.cache.count, flags_.flight.gpu_memory.count, place_text(),
        above_ground_, frozen_, style_.wireframe},
       times_, knobs_);
-  if (chosen) {
-    change_method(*chosen);
+  if (wishes.method) {
+    change_method(*wishes.method);
   }
+  if (wishes.memory) {
+    change_memory();
+  }
+}
+
+std::vector<Notice> Viewer::notices() const {
   std::vector<Notice> notices;
-  if (!notice_.text.empty() &&
-      (notice_.mood == Mood::Failure || Seconds(Clock::now() - told_).count() < kToldSeconds)) {
+  const double age = Seconds(Clock::now() - told_).count();
+  if (!notice_.text.empty() && (notice_.mood == Mood::Failure || age < kToldSeconds)) {
     notices.push_back(notice_);
   }
-  draw_notices(notices);
-  if (help_) {
-    draw_help();
+  if (opening_) {
+    const auto [step, done] = opening_->progress();
+    const bool preview = shown_ && shown_->preview() && shown_->source() == opening_file_;
+    notices.push_back(
+        {fmt::format("{} {}{}{}", preview ? "a preview; building" : "opening",
+                     opening_file_.filename().string(), step.empty() ? "" : ": ", step),
+         Mood::Working, done});
   }
+  return notices;
 }
 
 void Viewer::tell(const std::string& text, Mood mood) {
@@ -291,8 +407,8 @@ void Viewer::log_frame() {
   }
   if (log_) {
     const RefineStats& stats = shown_->refine_stats();
-    log_->add({Seconds(now - kProgramStart).count(), ms, "store", shown_->method(),
-               name_of(controls_->mode()), controls_->pose(), above_ground_,
+    log_->add({Seconds(now - kProgramStart).count(), ms, shown_->preview() ? "preview" : "store",
+               shown_->method(), name_of(controls_->mode()), controls_->pose(), above_ground_,
                window_.cursor().value_or(glm::dvec2(-1)), under_cursor_, frame_->width(),
                frame_->height(), stats.triangles, stats.late_blocks, stats.achieved_error_px});
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -9,6 +10,7 @@
 
 #include "arete/render/renderer.h"
 
+#include "background_open.h"
 #include "controls.h"
 #include "flags.h"
 #include "flight_log.h"
@@ -30,29 +32,37 @@ struct ViewFlags {
 class Viewer {
  public:
   explicit Viewer(const ViewFlags& flags);
-  /// Shows frames until the window is closed or the screenshot is taken.
+  /// Shows frames until the window is closed or the screenshot is taken. Throws: what kept the
+  /// terrain of the command line from being opened or built.
   void run();
 
  private:
+  void open(const std::filesystem::path& terrain);
+  void take_opened();
+  void take_failure();
   void show(OpenedTerrain opened);
   void show_frame();
+  void show_land();
   void draw_land();
   void resize(FrameSize size);
   void act_on_keys();
   void press(const KeyPress& press);
+  void press_over_land(const KeyPress& press);
   void set_tolerance(float pixels);
   void change_method(const std::string& method);
+  void change_memory();
   void next_method();
   void press_path_key(bool shift);
   void go_home();
   void move_camera();
   void look_under_cursor();
-  void draw_panels();
+  void draw_panel();
+  std::vector<Notice> notices() const;
   std::string place_text() const;
   void save_screenshot(const std::filesystem::path& file);
   void tell(const std::string& text, Mood mood = Mood::Note);
   void log_frame();
-  bool at_rest();
+  double seconds_to_wait();
   double aspect() const;
   bool scripted() const { return !flags_.screenshot.empty(); }
 
@@ -60,8 +70,11 @@ class Viewer {
   std::optional<FlightLog> log_;
   std::optional<OpenedTerrain> first_;  ///< until the window is there to show it
   Window window_;
-  std::unique_ptr<ShownTerrain> shown_;
-  std::optional<Controls> controls_;  ///< with the first terrain
+  std::unique_ptr<BackgroundOpen> opening_;
+  std::filesystem::path opening_file_;
+  std::exception_ptr failure_;           ///< of the terrain of the command line
+  std::unique_ptr<ShownTerrain> shown_;  ///< none before the first preview
+  std::optional<Controls> controls_;     ///< with the first terrain
   std::unique_ptr<render::Frame> frame_;
   PathRecorder path_;
   View view_;

@@ -1,14 +1,16 @@
 #!/usr/bin/env bash
 # The viewer in a virtual display: real mouse and keys through the X server, their effect on the
 # camera asserted by the trace that the viewer writes.
-# Usage: viewer_test.sh ARETE; exit 77 (skipped) without Xvfb and xdotool.
+# Usage: viewer_test.sh ARETE [DROP_FILE]; exit 77 (skipped) without Xvfb and xdotool.
 set -uo pipefail
 arete=$(realpath "$1")
+drop_file=${2:+$(realpath "$2")}
 for tool in Xvfb xdotool; do
   command -v $tool >/dev/null || { echo "skipped: $tool is not installed"; exit 77; }
 done
 work=$(mktemp -d)
-export XDG_CACHE_HOME=$work/cache
+export XDG_CACHE_HOME=$work/cache TMPDIR=$work/tmp
+mkdir "$work/tmp"
 # Mesa's GLX keeps two small blocks for the life of the process; leaks of ours show in the other tests.
 export ASAN_OPTIONS=${ASAN_OPTIONS:-}:detect_leaks=0
 cd "$work"
@@ -103,12 +105,24 @@ timeout 60 "$arete" view t.arete --size 320x240 --path orbit --screenshot shot.p
   2>stderr || fail "scripted screenshot"
 [[ -s shot.png ]] || fail "no scripted screenshot"
 
-timeout 120 "$arete" view t.arete --size 640x480 --tolerance 4 --trace trace.csv 2>stderr &
-viewer=$!
-window=$(timeout 30 xdotool search --sync --onlyvisible --name '^Arete' | head -n 1)
-[[ -n $window ]] || fail "no window"
-xdotool windowfocus "$window" 2>/dev/null
-for _ in $(seq 200); do [[ ! -s trace.csv || $(wc -l <trace.csv) -lt 4 ]] || break; sleep 0.1; done
+begin() {  # ARGUMENTS of view: a viewer that has shown a few frames
+  rm -f trace.csv
+  timeout 120 "$arete" view "$@" --trace trace.csv 2>stderr &
+  viewer=$!
+  window=$(timeout 30 xdotool search --sync --onlyvisible --name '^Arete' | head -n 1)
+  [[ -n $window ]] || fail "no window"
+  xdotool windowfocus "$window" 2>/dev/null
+  for _ in $(seq 200); do [[ ! -s trace.csv || $(wc -l <trace.csv) -lt 4 ]] || return 0; sleep 0.1; done
+  fail "no picture"
+}
+end() {  # EXIT CODE
+  xdotool key Escape
+  for _ in $(seq 100); do kill -0 "$viewer" 2>/dev/null || break; sleep 0.1; done
+  wait "$viewer"
+  [[ $? == "$1" ]] || fail "the viewer did not end with $1"
+  viewer=''
+}
+begin t.arete --size 640x480 --tolerance 4
 
 # The checks themselves: what is not so never comes true, and a camera that moved is found.
 at 470 340
@@ -252,9 +266,35 @@ at 470 340
 xdotool windowsize "$window" 500 400
 await 'n["width"] == 500 && n["height"] == 400' "another size"
 unmoved "another size"
-xdotool key Escape
-for _ in $(seq 100); do kill -0 "$viewer" 2>/dev/null || break; sleep 0.1; done
-wait "$viewer" || fail "the viewer did not end well"
-viewer=''
+end 0
 [[ ! -s stderr ]] || fail "the viewer said something"
+
+# ---- a DEM opened directly -----------------------------------------------------------------------
+"$arete" synth -o big.tif --size 2305 --kind fbm --quiet || fail synth
+begin big.tif --size 320x240 --tolerance 4 --quiet
+sed -n 2p trace.csv >mark
+holds 'b["terrain"] == "preview"' || fail "the first picture is no preview"
+await 'n["terrain"] == "store"' "the store in place of its preview"
+holds 'still()' || fail "the camera moved when the store took the place of its preview"
+[[ -z $(ls -A tmp) ]] || fail "the preview's files were left behind"
+ls cache/arete/*.arete >/dev/null || fail "no store in the cache"
+head -c 3000 big.tif >broken.tif
+if [[ -n $drop_file ]]; then
+  mark
+  "$drop_file" "$window" broken.tif || fail "the drop was not taken"
+  unmoved "a broken file dropped"
+  "$drop_file" "$window" t.arete || fail "the drop was not taken"
+  await 'went() > 100' "a store dropped"
+fi
+end 0
+
+rm -rf cache
+begin big.tif --size 320x240 --tolerance 4 --quiet
+end 0
+[[ -z $(ls -A tmp) ]] || fail "a cancelled preview's files were left behind"
+timeout 60 "$arete" view big.tif --size 320x240 --screenshot again.png --frames 1 --quiet ||
+  fail "after a cancelled build"
+
+timeout 60 "$arete" view broken.tif --quiet 2>stderr
+[[ $? == 1 && $(wc -l <stderr) == 1 ]] || fail "a broken DEM: not exit 1 with one line"
 echo "apps_viewer: all as expected"
