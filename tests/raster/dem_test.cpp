@@ -439,27 +439,89 @@ TEST_F(DemTest, AHeaderBesideAPictureDoesNotMakeItRawSamples) {
   EXPECT_THAT(read_all(*open_dem({dir_ / "a.pgm"})), ElementsAre('a', 'b', 'c', 'd', 'e', 'f'));
 }
 
-TEST_F(DemTest, ZippedDemOpensIfItIsTheOnlyOne) {
-  write_grid(dir_ / "in.tif", {});
-  const auto zip = [&](const std::string& archive, const std::vector<std::string>& members) {
+TEST_F(DemTest, MasksWithinAGeotiffSayWhatIsNoData) {
+  const auto file = dir_ / "masked.tif";
+  write_grid(file, {.values = {1, 2, 3, 4, -9999, 6, 7, 8, 9, 10, 11, 12}});
+  {
+    CPLSetThreadLocalConfigOption("GDAL_TIFF_INTERNAL_MASK", "YES");
+    const GDALDatasetUniquePtr dataset(
+        GDALDataset::Open(file.c_str(), GDAL_OF_RASTER | GDAL_OF_UPDATE));
+    ASSERT_EQ(dataset->CreateMaskBand(GMF_PER_DATASET), CE_None);
+    std::vector<std::uint8_t> mask{0, 255, 255, 255, 0, 255, 255, 255, 0, 0, 0, 0};
+    ASSERT_EQ(CE_None, dataset->GetRasterBand(1)->GetMaskBand()->RasterIO(
+                           GF_Write, 0, 0, 4, 3, mask.data(), 4, 3, GDT_Byte, 0, 0, nullptr));
+    CPLSetThreadLocalConfigOption("GDAL_TIFF_INTERNAL_MASK", nullptr);
+  }
+  const auto none = NanSensitiveFloatEq(kNone);
+  const auto dem = open_dem({file});
+  EXPECT_THAT(read_all(*dem), ElementsAre(none, 2, 3, 4, none, 6, 7, 8, none, none, none, none));
+  EXPECT_THAT(dem->georef().notes, IsEmpty()) << "nothing is said of what lies under the mask";
+}
+
+TEST_F(DemTest, TransparentPostsAreNoData) {
+  const auto dem = open({.cols = 2,
+                         .rows = 1,
+                         .bands = 2,
+                         .type = GDT_UInt16,
+                         .values = {5, 6, 65535, 0},
+                         .options = {"ALPHA=YES"}});
+  EXPECT_THAT(read_all(*dem), ElementsAre(5, NanSensitiveFloatEq(kNone)));
+}
+
+class ZipTest : public DemTest {
+ protected:
+  struct Member {
+    std::string name;
+    std::filesystem::path content;
+  };
+  std::filesystem::path zip(const std::string& archive, const std::vector<Member>& members) {
     void* file = CPLCreateZip((dir_ / archive).c_str(), nullptr);
-    std::ifstream in(dir_ / "in.tif", std::ios::binary);
-    std::string bytes{std::istreambuf_iterator<char>(in), {}};
-    for (const std::string& member : members) {
-      CPLCreateFileInZip(file, member.c_str(), nullptr);
+    for (const Member& member : members) {
+      std::ifstream in(member.content, std::ios::binary);
+      const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+      CPLCreateFileInZip(file, member.name.c_str(), nullptr);
       CPLWriteFileInZip(file, bytes.data(), static_cast<int>(bytes.size()));
       CPLCloseFileInZip(file);
     }
     CPLCloseZip(file);
-  };
-  zip("one.zip", {"readme.txt", "deep/dem.tif"});
-  EXPECT_EQ(read_all(*open_dem({dir_ / "one.zip"})), read_all(*open_dem({dir_ / "in.tif"})));
-  zip("two.zip", {"a.tif", "b.tif"});
-  EXPECT_EQ(code_of({dir_ / "two.zip"}), ErrorCode::InvalidInput);
-  zip("none.zip", {"readme.txt"});
-  EXPECT_EQ(code_of({dir_ / "none.zip"}), ErrorCode::InvalidInput);
+    return dir_ / archive;
+  }
+};
+
+TEST_F(ZipTest, ADemOpensIfItIsTheOnlyOne) {
+  const auto in = dir_ / "in.tif";
+  write_grid(in, {});
+  write_text(dir_ / "readme.txt", "read me");
+  const auto one = zip("one.zip", {{"readme.txt", dir_ / "readme.txt"}, {"deep/dem.tif", in}});
+  EXPECT_EQ(read_all(*open_dem({one})), read_all(*open_dem({in})));
+  EXPECT_EQ(code_of({zip("two.zip", {{"a.tif", in}, {"b.tif", in}})}), ErrorCode::InvalidInput);
+  EXPECT_THAT(text_, HasSubstr("2 DEM files inside"));
+  EXPECT_EQ(code_of({zip("none.zip", {{"r.txt", dir_ / "readme.txt"}})}), ErrorCode::InvalidInput);
   write_text(dir_ / "broken.zip", "PK no archive");
   EXPECT_EQ(code_of({dir_ / "broken.zip"}), ErrorCode::InvalidInput);
+}
+
+TEST_F(ZipTest, SideFilesInTheArchiveAreFound) {
+  write_text(dir_ / "in.bil", "abcdef");
+  write_text(dir_ / "in.hdr",
+             "NROWS 2\nNCOLS 3\nNBITS 8\nULXMAP 100\nULYMAP 200\nXDIM 10\nYDIM 10\n");
+  const auto dem =
+      open_dem({zip("bil.zip", {{"d/in.bil", dir_ / "in.bil"}, {"d/in.hdr", dir_ / "in.hdr"}})});
+  EXPECT_THAT(read_all(*dem), ElementsAre('a', 'b', 'c', 'd', 'e', 'f'));
+  EXPECT_EQ(dem->georef().crs_from_post.apply(0, 0), glm::dvec2(100, 200));
+}
+
+TEST_F(ZipTest, ArchivesInArchivesAndNamesThatLeadOutAreRefused) {
+  const auto in = dir_ / "in.tif";
+  write_grid(in, {});
+  const auto inner = zip("inner.zip", {{"dem.tif", in}});
+  EXPECT_EQ(code_of({zip("nested.zip", {{"inner.zip", inner}})}), ErrorCode::InvalidInput);
+  for (const char* name : {"../dem.tif", "/etc/dem.tif", "a/../../dem.tif", "a:b.tif",
+                           "x/vsicurl/http/dem.tif", "dem.vrt", "dem.nc"}) {
+    SCOPED_TRACE(name);
+    EXPECT_EQ(code_of({zip("hostile.zip", {{name, in}})}), ErrorCode::InvalidInput);
+    VSIUnlink((dir_ / "hostile.zip").c_str());
+  }
 }
 
 // A row of a file cut short is whole or refused, however often and in whatever order it is asked

@@ -1,5 +1,7 @@
 // The attacks of S1 to S6: bytes of other files, connections, huge headers. Every driver of GDAL is
 // registered here, VRT and HTTP too, so that the fence alone must hold.
+#include "arete/raster/fence.h"
+
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -102,6 +104,28 @@ TEST_F(FenceTest, S1SidecarsDoNotLeakAnotherFile) {
              "<PAMDataset><Metadata domain=\"OVERVIEWS\"><MDI key=\"OVERVIEW_FILE\">" +
                  (dir_ / "side.tif.ovr").native() + "</MDI></Metadata></PAMDataset>");
   for (const float z : read_all(*open_dem({dir_ / "side.tif"}))) EXPECT_EQ(z, kOwn);
+}
+
+// Masks within a GeoTIFF are read (dem_test), those beside it are any driver's to open.
+TEST_F(FenceTest, S1MasksBesideTheFileAreNotOpened) {
+  const auto file = dir_ / "dem.tif";
+  write_grid(file, {.cols = kSide, .rows = kSide, .type = GDT_Byte, .values = {kOwn}});
+  CPLSetThreadLocalConfigOption("GDAL_TIFF_INTERNAL_MASK", "NO");
+  CPLSetThreadLocalConfigOption("GDAL_DISABLE_READDIR_ON_OPEN", "NO");
+  {
+    const GDALDatasetUniquePtr beside(
+        GDALDataset::Open(file.c_str(), GDAL_OF_RASTER | GDAL_OF_UPDATE));
+    ASSERT_EQ(beside->CreateMaskBand(GMF_PER_DATASET), CE_None);
+    beside->GetRasterBand(1)->GetMaskBand()->Fill(0);
+  }
+  {
+    const GDALDatasetUniquePtr careless(GDALDataset::Open(file.c_str(), GDAL_OF_RASTER));
+    EXPECT_TRUE(file_mask(*careless, 1)) << "negative control";
+  }
+  CPLSetThreadLocalConfigOption("GDAL_TIFF_INTERNAL_MASK", nullptr);
+  CPLSetThreadLocalConfigOption("GDAL_DISABLE_READDIR_ON_OPEN", nullptr);
+  ASSERT_TRUE(std::filesystem::exists(dir_ / "dem.tif.msk"));
+  for (const float z : read_all(*open_dem({file}))) EXPECT_EQ(z, kOwn);
 }
 
 // A socket that nobody should knock at.

@@ -1,12 +1,16 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <random>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "arete/core/error.h"
 #include "arete/raster/dem.h"
+#include "arete/raster/synthetic.h"
 
 #include "raster/grid_files.h"
 
@@ -19,6 +23,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::NanSensitiveFloatEq;
 using ::testing::Not;
+using ::testing::Pointwise;
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
@@ -63,6 +68,45 @@ TEST_F(MosaicTest, TilesWithSharedBordersAreOneGrid) {
   EXPECT_EQ(mosaic->georef().crs_from_post.apply(0, 0), glm::dvec2(500015, 3999985));
   EXPECT_TRUE(mosaic->lattice().integer);
   EXPECT_THAT(mosaic->georef().notes, Not(Contains(HasSubstr("differ"))));
+}
+
+// Any cut of a terrain, in any order, abutting or sharing posts, reads as the terrain.
+TEST_F(MosaicTest, ATerrainCutIntoTilesIsTheTerrain) {
+  constexpr int kSide = 65;
+  const auto terrain = synthesize(SyntheticKind::Ridged, kSide, 3);
+  std::vector<float> whole = read_all(*terrain);
+  for (std::size_t i = 700; i < 800; ++i) whole[i] = kNone;
+  std::mt19937 random(1);
+  for (int trial = 0; trial < 20; ++trial) {
+    SCOPED_TRACE(trial);
+    const int shared = trial % 3;  // posts
+    const auto at = [&](int low, int high) {
+      return std::uniform_int_distribution(low, high)(random);
+    };
+    const std::array cols{0, at(5, 30), at(35, 60), kSide};
+    const std::array rows{0, at(5, 60), kSide};
+    std::vector<std::filesystem::path> files;
+    for (std::size_t i = 0; i < 6; ++i) {
+      const int col = cols[i % 3], row = rows[i / 3];
+      const int col_end = std::min(kSide, cols[i % 3 + 1] + shared);
+      const int row_end = std::min(kSide, rows[i / 3 + 1] + shared);
+      GridFile grid = cut(col, row, col_end - col, row_end - row);
+      grid.type = GDT_Float32;
+      grid.values.clear();
+      for (int r = row; r < row_end; ++r) {
+        for (int c = col; c < col_end; ++c) {
+          const float z = whole[static_cast<std::size_t>(r * kSide + c)];
+          grid.values.push_back(std::isnan(z) ? -1 : static_cast<double>(z));
+        }
+      }
+      files.push_back(write(std::to_string(trial) + "_" + std::to_string(i) + ".tif", grid));
+    }
+    std::shuffle(files.begin(), files.end(), random);
+    const auto mosaic = open_dem(files);
+    ASSERT_EQ(mosaic->cols(), kSide);
+    EXPECT_THAT(read_all(*mosaic), Pointwise(NanSensitiveFloatEq(), whole));
+    EXPECT_THAT(mosaic->georef().notes, Not(Contains(HasSubstr("differ"))));
+  }
 }
 
 TEST_F(MosaicTest, HolesAreFilledAndTheFirstFileWins) {

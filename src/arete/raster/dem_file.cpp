@@ -27,6 +27,20 @@ int pick_chunk_rows(const DemFile::Parts& parts, int block_rows, std::size_t row
   return std::min(parts.rows, block * std::max(1, std::min(256, most) / block));
 }
 
+// What lies under the mask is anything: a valid sample instead, so that no note is taken of it.
+void repeat_valid(std::span<const std::byte> mask, std::size_t sample_bytes, std::byte* samples) {
+  const auto valid = std::ranges::find_if(mask, [](std::byte b) { return b != std::byte{0}; });
+  const auto first = static_cast<std::size_t>(valid - mask.begin());
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (mask[i] != std::byte{0}) continue;
+    if (valid == mask.end()) {
+      std::fill_n(samples + i * sample_bytes, sample_bytes, std::byte{0});
+    } else {
+      std::copy_n(samples + first * sample_bytes, sample_bytes, samples + i * sample_bytes);
+    }
+  }
+}
+
 }  // namespace
 
 std::size_t SampleFormat::sample_bytes() const {
@@ -60,6 +74,7 @@ std::string DemFile::description() const {
 void DemFile::release() {
   loaded_rows_ = 0;
   buffer_ = {};
+  mask_ = {};
   parts_.samples.reset();
 }
 
@@ -72,33 +87,45 @@ void DemFile::read_in_chunks_of(std::size_t bytes) {
 void DemFile::load_chunk_of(int source_row) {
   if (source_row >= loaded_first_ && source_row < loaded_first_ + loaded_rows_) return;
   const int first = source_row / chunk_rows_ * chunk_rows_;
-  const int count = std::min(chunk_rows_, parts_.rows - first);
   loaded_rows_ = 0;
   if (!parts_.samples) parts_.samples = parts_.reopen();
-  buffer_.resize(row_bytes_ * static_cast<std::size_t>(chunk_rows_));
   try {
-    parts_.samples->read(first, count, buffer_.data());
-    loaded_first_ = first;
-    loaded_rows_ = count;
+    read_rows(first, std::min(chunk_rows_, parts_.rows - first));
   } catch (const Error&) {
     // A damaged chunk may still hold this row.
-    parts_.samples->read(source_row, 1, buffer_.data());
-    loaded_first_ = source_row;
-    loaded_rows_ = 1;
+    read_rows(source_row, 1);
   }
+}
+
+void DemFile::read_rows(int first, int count) {
+  buffer_.resize(row_bytes_ * static_cast<std::size_t>(chunk_rows_));
+  parts_.samples->read(first, count, buffer_.data());
+  if (parts_.samples->masked()) {
+    mask_.resize(static_cast<std::size_t>(parts_.cols) * static_cast<std::size_t>(chunk_rows_));
+    parts_.samples->read_mask(first, count, mask_.data());
+  }
+  loaded_first_ = first;
+  loaded_rows_ = count;
 }
 
 void DemFile::decode_row(int source_row, std::span<float> row) {
   const SampleFormat& format = parts_.format;
-  const std::byte* const samples =
-      buffer_.data() + static_cast<std::size_t>(source_row - loaded_first_) * row_bytes_;
+  const auto line = static_cast<std::size_t>(source_row - loaded_first_);
+  std::byte* const samples = buffer_.data() + line * row_bytes_;
+  const auto mask = mask_.empty()
+                        ? std::span<const std::byte>()
+                        : std::span<const std::byte>(mask_).subspan(line * row.size(), row.size());
   Tally again;
   auto counted = counted_[static_cast<std::size_t>(source_row)];
   Tally& tally = counted ? again : tally_;
+  repeat_valid(mask, format.sample_bytes(), samples);
   if (format.encoding == Encoding::None) {
     decode(format.rule, samples, row, tally);
   } else {
     decode_colours(format.encoding, format.bands, format.rule, samples, row);
+  }
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (mask[i] == std::byte{0}) row[i] = std::numeric_limits<float>::quiet_NaN();
   }
   counted = true;
 }

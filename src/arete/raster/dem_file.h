@@ -53,13 +53,14 @@ class DemFile final : public HeightSource {
  private:
   void survey();
   void load_chunk_of(int source_row);
+  void read_rows(int first, int count);
   void decode_row(int source_row, std::span<float> row);
 
   Parts parts_;
   std::size_t row_bytes_ = 0;
   int block_rows_ = 1, chunk_rows_ = 1;
   int loaded_first_ = 0, loaded_rows_ = 0;
-  std::vector<std::byte> buffer_;
+  std::vector<std::byte> buffer_, mask_;
   Tally tally_;
   std::vector<bool> counted_;  ///< rows that are in tally_
 };

@@ -86,16 +86,16 @@ CPLStringList driver_list(Purpose purpose) {
   return list;
 }
 
-// The side files that EHdr, ENVI and AAIGrid cannot do without; nothing else of the folder is
-// shown to GDAL.
+// The side files that EHdr, ENVI and AAIGrid cannot do without; nothing else of the folder, or of
+// the archive, is shown to GDAL.
 CPLStringList siblings(const fs::path& file) {
   CPLStringList list;
   list.AddString(file.filename().c_str());
   for (const char* extension : {".hdr", ".HDR", ".prj", ".PRJ"}) {
     fs::path beside = file;
     beside.replace_extension(extension);
-    std::error_code ignored;
-    if (beside != file && fs::is_regular_file(beside, ignored)) {
+    VSIStatBufL status;
+    if (beside != file && VSIStatL(beside.c_str(), &status) == 0 && VSI_ISREG(status.st_mode)) {
       list.AddString(beside.filename().c_str());
     }
   }
@@ -207,12 +207,8 @@ Dataset open_fenced(const fs::path& file, Purpose purpose, std::string* note) {
   const fs::path path = fs::absolute(file);
   const Messages messages;
   std::string name = path.native();
-  CPLStringList beside = siblings(path);
-  if (is_zip(path)) {
-    name = zip_member(path);
-    beside = CPLStringList();
-    beside.AddString(fs::path(name).filename().c_str());
-  }
+  if (is_zip(path)) name = zip_member(path);
+  const CPLStringList beside = siblings(name);
   check_hdf5(path);
   Dataset dataset = open_with(name, purpose, beside.List());
   if (!dataset || path.extension() == ".prj") throw_unreadable(path, messages);
@@ -229,6 +225,22 @@ Dataset open_fenced(const fs::path& file, Purpose purpose, std::string* note) {
   return dataset;
 }
 
+namespace {
+
+void check_blocks(GDALRasterBand& band, const std::string& name) {
+  int width = 0, height = 0;
+  band.GetBlockSize(&width, &height);
+  const std::int64_t bytes =
+      std::int64_t{width} * height * GDALGetDataTypeSizeBytes(band.GetRasterDataType());
+  if (width >= 1 && height >= 1 && bytes <= kMaxBlockBytes) return;
+  throw Error(ErrorCode::Limit,
+              fmt::format("{}: stored in blocks of {} x {} samples, over 64 MiB: rewrite it tiled "
+                          "(gdal_translate -co TILED=YES)",
+                          name, width, height));
+}
+
+}  // namespace
+
 void check_shape(GDALDataset& dataset, int max_side, const std::string& name) {
   const int cols = dataset.GetRasterXSize();
   const int rows = dataset.GetRasterYSize();
@@ -238,18 +250,16 @@ void check_shape(GDALDataset& dataset, int max_side, const std::string& name) {
                             rows, max_side));
   }
   for (int i = 1; i <= dataset.GetRasterCount(); ++i) {
-    GDALRasterBand& band = *dataset.GetRasterBand(i);
-    int width = 0, height = 0;
-    band.GetBlockSize(&width, &height);
-    const std::int64_t bytes =
-        std::int64_t{width} * height * GDALGetDataTypeSizeBytes(band.GetRasterDataType());
-    if (width < 1 || height < 1 || bytes > kMaxBlockBytes) {
-      throw Error(ErrorCode::Limit,
-                  fmt::format("{}: stored in blocks of {} x {} samples, over 64 MiB: rewrite it "
-                              "tiled (gdal_translate -co TILED=YES)",
-                              name, width, height));
-    }
+    check_blocks(*dataset.GetRasterBand(i), name);
+    if (GDALRasterBand* const mask = file_mask(dataset, i)) check_blocks(*mask, name);
   }
+}
+
+GDALRasterBand* file_mask(GDALDataset& dataset, int band) {
+  // Of other drivers GDAL may look for a mask in a file beside, which any driver reads.
+  if (std::string_view(dataset.GetDriverName()) != "GTiff") return nullptr;
+  const bool own = (dataset.GetRasterBand(band)->GetMaskFlags() & GMF_PER_DATASET) != 0;
+  return own ? dataset.GetRasterBand(band)->GetMaskBand() : nullptr;
 }
 
 }  // namespace arete::raster

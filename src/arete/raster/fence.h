@@ -48,6 +48,10 @@ std::string display_name(const std::filesystem::path& file);
 /// says so). Throws: NotFound, Unsupported, InvalidInput, Limit.
 Dataset open_fenced(const std::filesystem::path& file, Purpose purpose, std::string* note);
 
+/// The mask, or alpha, that a GeoTIFF keeps within it for all bands; null when there is none. A
+/// mask that only repeats a band's nodata value is none.
+GDALRasterBand* file_mask(GDALDataset& dataset, int band);
+
 /// Throws unless sides are within 1..max_side and the blocks of the first `bands` bands are of a
 /// real type and at most 64 MiB each. Throws: Limit, Unsupported, InvalidInput.
 void check_shape(GDALDataset& dataset, int max_side, const std::string& name);

@@ -40,39 +40,61 @@ class GdalSamples final : public Samples {
       : dataset_(std::move(dataset)),
         bands_(std::move(bands)),
         name_(std::move(name)),
-        open_(std::move(open)) {
-    GDALRasterBand& band = *dataset_->GetRasterBand(bands_.front());
-    type_ = band.GetRasterDataType();
+        open_(std::move(open)),
+        cols_(dataset_->GetRasterXSize()) {
+    type_ = first_band().GetRasterDataType();
+    masked_ = file_mask(*dataset_, bands_.front()) != nullptr;
     int width = 0;
-    band.GetBlockSize(&width, &block_rows_);
+    first_band().GetBlockSize(&width, &block_rows_);
   }
 
   int block_rows() const override { return block_rows_; }
+  bool masked() const override { return masked_; }
 
   void read(int first, int rows, std::byte* out) override {
-    std::string why;
-    if (try_read(first, rows, out, why)) return;
-    reopen_single_threaded();
-    // Row by row, so that what is whole is delivered and the message names the first bad row.
-    const auto row_bytes = static_cast<std::size_t>(dataset_->GetRasterXSize()) * sample_bytes();
-    for (int r = 0; r < rows; ++r) {
-      std::byte* const row = out + static_cast<std::size_t>(r) * row_bytes;
-      if (!try_read(first + r, 1, row, why)) throw_corrupt(name_, first + r, why);
-    }
+    const auto pixel = static_cast<GSpacing>(sample_bytes());
+    read_whole(first, rows, {out, sample_bytes()},
+               [this, pixel](int row, int count, std::byte* to) {
+                 return dataset_->RasterIO(GF_Read, 0, row, cols_, count, to, cols_, count, type_,
+                                           static_cast<int>(bands_.size()), bands_.data(), pixel,
+                                           pixel * cols_, GDALGetDataTypeSizeBytes(type_), nullptr);
+               });
+  }
+
+  void read_mask(int first, int rows, std::byte* out) override {
+    read_whole(first, rows, {out, 1}, [this](int row, int count, std::byte* to) {
+      return file_mask(*dataset_, bands_.front())
+          ->RasterIO(GF_Read, 0, row, cols_, count, to, cols_, count, GDT_Byte, 0, 0, nullptr);
+    });
   }
 
  private:
+  struct Output {
+    std::byte* bytes;
+    std::size_t post_bytes;
+  };
+
+  GDALRasterBand& first_band() const { return *dataset_->GetRasterBand(bands_.front()); }
+
   std::size_t sample_bytes() const {
     return bands_.size() * static_cast<std::size_t>(GDALGetDataTypeSizeBytes(type_));
   }
 
-  bool try_read(int first, int rows, std::byte* out, std::string& why) {
+  template <typename Read>
+  void read_whole(int first, int rows, Output out, const Read& read) {
+    std::string why;
+    if (try_read(read, first, rows, out.bytes, why)) return;
+    reopen_single_threaded();
+    // Row by row, so that what is whole is delivered and the message names the first bad row.
+    for (int r = 0; r < rows; ++r, out.bytes += static_cast<std::size_t>(cols_) * out.post_bytes) {
+      if (!try_read(read, first + r, 1, out.bytes, why)) throw_corrupt(name_, first + r, why);
+    }
+  }
+
+  template <typename Read>
+  static bool try_read(const Read& read, int first, int rows, std::byte* out, std::string& why) {
     const Messages messages;
-    const int cols = dataset_->GetRasterXSize();
-    const auto pixel = static_cast<GSpacing>(sample_bytes());
-    const CPLErr result = dataset_->RasterIO(
-        GF_Read, 0, first, cols, rows, out, cols, rows, type_, static_cast<int>(bands_.size()),
-        bands_.data(), pixel, pixel * cols, GDALGetDataTypeSizeBytes(type_), nullptr);
+    const CPLErr result = read(first, rows, out);
     why = messages.text("no reason given");
     return result == CE_None && !messages.failed();
   }
@@ -91,7 +113,8 @@ class GdalSamples final : public Samples {
   std::vector<int> bands_;
   std::string name_;
   std::function<Dataset()> open_;
-  bool single_threaded_ = false;
+  int cols_;
+  bool single_threaded_ = false, masked_ = false;
   GDALDataType type_ = GDT_Unknown;
   int block_rows_ = 1;
 };

@@ -22,16 +22,25 @@ class BlockSink {
   /// Compresses and keeps `raw` under `key`. Requires: keys ascend over the whole segment, unit by
   /// unit.
   virtual void add(std::uint64_t key, std::span<const std::byte> raw) = 0;
+  using Visit = std::function<void(std::uint64_t key, std::span<const std::byte> raw)>;
+  /// Visits the blocks with keys in [first, end) that `unit`, of an earlier phase, has added, in
+  /// ascending order. Throws: Corrupt, Io.
+  virtual void read_earlier(int unit, std::uint64_t first, std::uint64_t end,
+                            const Visit& visit) const = 0;
 };
 
-/// A segment as independent units of work. Unit u's blocks must depend on `params`, u and what the
-/// store already holds only: not on threads, time or other units, so that a killed build resumes
-/// to the same bytes.
+/// A segment as units of work. Unit u's blocks must depend on `params`, u, what the store already
+/// holds and units of earlier phases only: not on threads, time or other units, so that a killed
+/// build resumes to the same bytes.
 struct SegmentPlan {
   std::string name;    ///< lower case, digits, '-': the file is NAME.seg
   std::string params;  ///< everything that decides the content, as text
   int units = 0;
   std::function<void(int unit, BlockSink& sink)> make;  ///< called from several threads at once
+  /// The first units of the second, third ... phase, ascending: a phase begins when the one before
+  /// it is done. Empty: all units are independent.
+  std::vector<int> later_phases = {};
+  std::size_t unit_bytes = 0;  ///< memory of one make; as many run as fit half the memory limit
 };
 
 /// Where preprocess writes its segments.

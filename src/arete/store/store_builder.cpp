@@ -25,6 +25,30 @@ std::vector<BlockEntry> all_entries(const std::vector<UnitRef>& units) {
   return entries;
 }
 
+// A unit that is being made, with a view of the finished ones.
+class UnitSink : public BlockSink {
+ public:
+  UnitSink(UnitWriter& unit, const UnitFolder& folder) : unit_(unit), folder_(folder) {}
+
+  void add(std::uint64_t key, std::span<const std::byte> raw) override { unit_.add(key, raw); }
+
+  void read_earlier(int unit, std::uint64_t first, std::uint64_t end,
+                    const Visit& visit) const override {
+    const auto reader = folder_.open(unit);
+    const auto entries = reader->entries();
+    std::vector<std::byte> raw;
+    auto entry = std::ranges::lower_bound(entries, first, {}, &BlockEntry::key);
+    for (; entry != entries.end() && entry->key < end; ++entry) {
+      reader->read(entry->key, raw);
+      visit(entry->key, raw);
+    }
+  }
+
+ private:
+  UnitWriter& unit_;
+  const UnitFolder& folder_;
+};
+
 }  // namespace
 
 StoreBuilder::StoreBuilder(fs::path units, fs::path store, const BuildContext& context)
@@ -118,8 +142,18 @@ void StoreBuilder::write(const SegmentPlan& plan) {
   if (const auto finished = find_finished(plan.name); finished && finished->params() == plan.params)
     return record(*finished);
   const UnitFolder folder = units(plan.name, plan.params);
-  for_each_unit(context_, plan.name, plan.units, 0,
-                [&](int u) { folder.make(u, [&](UnitWriter& unit) { plan.make(u, unit); }); });
+  std::vector<int> bounds = plan.later_phases;
+  bounds.push_back(plan.units);
+  int first = 0;
+  for (const int end : bounds) {
+    for_each_unit(context_, plan.name, end - first, plan.unit_bytes, [&](int u) {
+      folder.make(first + u, [&](UnitWriter& unit) {
+        UnitSink sink(unit, folder);
+        plan.make(first + u, sink);
+      });
+    });
+    first = end;
+  }
   assemble_all(folder, plan.units, plan.name, plan.params);
 }
 

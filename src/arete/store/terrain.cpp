@@ -201,6 +201,11 @@ std::shared_ptr<const std::vector<std::byte>> Terrain::block(std::string_view se
       impl_->fetch({static_cast<std::uint32_t>(i), key}, fetch));
 }
 
+std::size_t Terrain::read_block(std::string_view segment, std::uint64_t key,
+                                std::vector<std::byte>& raw) const {
+  return impl_->segment(segment).read(key, raw);
+}
+
 std::unique_ptr<HeightSource> Terrain::height_source() const {
   return make_height_rows(impl_->segment(kHeights), impl_->manifest);
 }

@@ -110,6 +110,11 @@ class Terrain {
   std::shared_ptr<const std::vector<std::byte>> block(std::string_view segment, std::uint64_t key,
                                                       Fetch fetch) const;
 
+  /// Reads and verifies a block anew, past the cache: for who keeps blocks in another form. Returns
+  /// the bytes read from the file; 0 when there is no such block. Throws: NotFound, Corrupt, Io.
+  std::size_t read_block(std::string_view segment, std::uint64_t key,
+                         std::vector<std::byte>& raw) const;
+
   /// Fresh rows of the stored heights, decoded anew without the cache; NaN = no data. Lives as long
   /// as the Terrain. Its read_row throws Corrupt where a tile is damaged.
   std::unique_ptr<HeightSource> height_source() const;

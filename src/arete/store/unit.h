@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "arete/store/build.h"
 #include "arete/store/file.h"
 #include "arete/store/format.h"
 #include "arete/store/hash.h"
@@ -18,11 +17,12 @@ namespace arete::store {
 
 /// Writes one finished piece of a segment into its own small file, so that a killed build need not
 /// make it again: stored blocks, `aux` bytes for the builder, index, trailer with a hash of it all.
-class UnitWriter : public BlockSink {
+class UnitWriter {
  public:
   /// `unit_key` names what the unit is made from; a file with another key is not used.
   UnitWriter(const std::filesystem::path& file, std::uint64_t unit_key);
-  void add(std::uint64_t key, std::span<const std::byte> raw) override;
+  /// Compresses and keeps `raw`. Requires: keys ascend.
+  void add(std::uint64_t key, std::span<const std::byte> raw);
   void set_aux(std::vector<std::byte> aux) { aux_ = std::move(aux); }
   /// The unit stands under its name after this. Throws: Io.
   void finish();

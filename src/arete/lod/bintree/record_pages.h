@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "arete/lod/bintree/page_thread.h"
 #include "arete/lod/bintree/record.h"
 #include "arete/lod/bintree/vertex_index.h"
 #include "arete/lod/engine.h"
@@ -37,9 +38,9 @@ struct PageCounts {
   std::uint64_t faults = 0;   ///< pages read by find()
   std::uint64_t late = 0;     ///< find() that returned null
   std::uint64_t bytes_read = 0;
-  std::uint64_t prefetched = 0;  ///< pages that the thread read
-  std::uint64_t damaged = 0;     ///< pages that failed verification
-  std::uint64_t resident_bytes = 0, resident_bytes_max = 0;
+  std::uint64_t prefetched = 0;  ///< pages that the thread has read
+  std::uint64_t damaged = 0;     ///< pages that failed verification; they are not read again
+  std::uint64_t resident_bytes = 0, resident_bytes_max = 0;  ///< within the budget
 };
 
 /// The records of a terrain, read in pages through the store's verification under a hard byte
@@ -51,7 +52,7 @@ class RecordPages {
     std::size_t budget_bytes = std::size_t{256} << 20U;  ///< of pages; at least one is held
     Prefetch prefetch = Prefetch::On;
   };
-  /// Memory beside the budget: 16 bytes for each 4 KiB of index space that has a page near it.
+  /// Memory beside the budget: 16 bytes for each 4 KiB of index space near a stored page.
   /// Throws: NotFound when the store lacks the segment (naming the command that adds it), Corrupt,
   /// Limit for a terrain beyond Domain::kMaxLog2Cells. `terrain` must outlive it.
   RecordPages(const store::Terrain& terrain, const Options& options);
@@ -66,13 +67,14 @@ class RecordPages {
   /// Starts a frame: pages that the thread has read come in, and pointers from before may dangle.
   void begin_frame();
   /// The vertex's record; holds until the next begin_frame. Null when the page is damaged, not
-  /// resident under Defer (it is asked for), or the budget is full of pages touched in this frame.
+  /// resident under Defer (the thread is asked for it), or the budget is full of pages touched in
+  /// this frame.
   /// Requires: index < domain().index_end(). Cost: a few ns for a resident page. Throws: nothing.
   const Record* find(VertexIndex index, OnMissing on_missing) {
     const std::uint64_t page = index >> kLog2PageRecords;
     Entry& entry = leaves_[page >> kLog2LeafPages][page & (kLeafPages - 1)];
     if (entry.frame != frame_) [[unlikely]]
-      if (!touch(page, entry, on_missing)) return nullptr;
+      if (!touch(entry, on_missing)) return nullptr;
     return entry.records + (index & (kPageRecords - 1));
   }
   /// Page number of an index, for prefetch().
@@ -84,24 +86,50 @@ class RecordPages {
   const PageCounts& counts() const { return counts_; }
 
  private:
-  /// A page of the index space. `frame` is the last frame that touched it.
+  /// A page of the index space.
   struct Entry {
     const Record* records = nullptr;
-    std::uint32_t frame = 0;
-    std::int32_t slot = -1;
+    std::uint32_t frame = 0;  ///< the last one that touched it
+    std::int32_t key = kNoKey;
   };
+  static constexpr std::int32_t kNoKey = -1, kDamaged = -2;
   static constexpr int kLog2LeafPages = 10;
   static constexpr std::size_t kLeafPages = std::size_t{1} << kLog2LeafPages;
-  class Loader;
+  using Leaf = std::array<Entry, kLeafPages>;
 
-  bool touch(std::uint64_t page, Entry& entry, OnMissing on_missing);
+  void index_pages();
+  void read_maxima();
+  Entry& entry_of(std::uint64_t page) {
+    return leaves_[page >> kLog2LeafPages][page & (kLeafPages - 1)];
+  }
+  bool touch(Entry& entry, OnMissing on_missing);
+  bool load(Entry& entry);
+  void ask(Entry& entry);
+  void take_in(const PageRead& read);
+  std::size_t read_page(std::size_t key, Record* to) const;
+  Record* take_slot();
+  Entry** oldest_holder();
+  void hold(Record* records, Entry& entry, std::uint32_t frame);
+  void count_resident();
 
+  const store::Terrain& terrain_;
+  std::string segment_;
+  std::span<const std::uint64_t> keys_;
   Domain domain_;
   std::uint32_t frame_ = 1;
   std::vector<Entry*> leaves_;
-  PageCounts counts_;
+  std::vector<std::unique_ptr<Leaf>> leaf_memory_;
+  std::unique_ptr<Leaf> empty_leaf_;  ///< stands wherever no page is stored
   std::vector<double> delta_max_;
-  std::unique_ptr<Loader> loader_;  ///< last: its thread stops before what it fills goes
+  PageCounts counts_;
+
+  std::size_t slots_ = 0, fresh_ = 0, hand_ = 0;  ///< fresh_: slots never used begin here
+  std::unique_ptr<Record[]> memory_;
+  std::vector<Record*> free_;
+  std::vector<Entry*> holders_;      ///< by slot; null: free, or the thread's
+  std::vector<std::uint8_t> asked_;  ///< by key: the thread has it
+  std::size_t asked_count_ = 0;
+  std::unique_ptr<PageThread> thread_;  ///< last: it stops before what it uses goes
 };
 
 }  // namespace arete::lod::bintree
