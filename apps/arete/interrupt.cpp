@@ -25,6 +25,10 @@ void catch_interrupts() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
+void turn_size_limit_into_error() {
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
 bool interrupted() {
   return stop_wanted != 0;
 }

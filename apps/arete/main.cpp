@@ -61,5 +61,6 @@ int main(int argc, char** argv) {
   arete::app::add_export(app);
   arete::app::add_synth(app);
   arete::app::catch_interrupts();
+  arete::app::turn_size_limit_into_error();
   return parse_and_run(app, argc, argv);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <functional>
 #include <string>
@@ -179,6 +180,14 @@ std::unique_ptr<store::Terrain> open_store(const TerrainFlags& flags, const fs::
 std::unique_ptr<store::Terrain> open_terrain(const TerrainFlags& flags,
                                              const std::vector<std::string>& methods) {
   return open_store(flags, store_of(flags, methods));
+}
+
+void tell_of_damage(const store::Terrain& terrain, const TerrainFlags& flags) {
+  if (terrain.cache_stats().damaged == 0) return;
+  const std::string store = flags.terrain.string();
+  fmt::print(stderr,
+             "note: {}: parts are damaged and were drawn coarser: see arete info {} --check\n",
+             store, store);
 }
 
 std::unique_ptr<lod::Engine> open_method(const TerrainFlags& flags, const std::string& method,

@@ -41,6 +41,10 @@ std::unique_ptr<store::Terrain> open_store(const TerrainFlags& flags,
 std::unique_ptr<store::Terrain> open_terrain(const TerrainFlags& flags,
                                              const std::vector<std::string>& methods);
 
+/// Says on stderr, quiet or not, when blocks that were read so far are damaged: what is missing was
+/// drawn coarser.
+void tell_of_damage(const store::Terrain& terrain, const TerrainFlags& flags);
+
 /// The method opened on the terrain with its settings.
 std::unique_ptr<lod::Engine> open_method(const TerrainFlags& flags, const std::string& method,
                                          const store::Terrain& terrain);

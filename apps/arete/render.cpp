@@ -54,6 +54,7 @@ class Studio {
         path_(scene::make_path(flags.flight.path, ground_of(*terrain_, store::Fetch::Wait))) {}
 
   const scene::Path& path() const { return path_; }
+  void tell_of_damage() const { app::tell_of_damage(*terrain_, flags_.flight.terrain); }
   const render::Frame& frame() const { return frame_; }
 
   /// Draws the instant and gives its line of --stats.
@@ -128,6 +129,7 @@ void run(const RenderFlags& flags) {
     write_text(flags.stats, stats);
   }
   output->finish();
+  studio.tell_of_damage();
 }
 
 void add_flags(CLI::App& verb, RenderFlags& flags) {

@@ -1,3 +1,4 @@
+#include <atomic>
 #include <csignal>
 #include <fstream>
 #include <random>
@@ -316,6 +317,45 @@ TEST(Publish, FallsBackToTheOldStoreWhenItCannotRename) {
   EXPECT_TRUE(fs::exists(folder / "old/keep"));
 }
 
+// Opening reads several files by name; a store that takes the other's place meanwhile must not mix.
+TEST(Publish, ReadersOpenTheOldOrTheNewStore) {
+  TemporaryFolder folder;
+  std::vector<std::string> ids;
+  for (const std::uint32_t seed : {1U, 2U}) {
+    Heightfield field = make_hills(140, 140, seed);
+    BuildOptions options;
+    options.output = folder / (seed == 1 ? "a.arete" : "b.arete");
+    build(field, options, {});
+    ids.push_back(Terrain::open(options.output)->manifest().id);
+  }
+  std::jthread writer([&](const std::stop_token& stop) {
+    while (!stop.stop_requested())
+      publish_directory(folder / "b.arete", folder / "a.arete", folder / "retired");
+  });
+  std::map<std::string, int> opened;
+  for (int i = 0; i < 300; ++i)
+    ++opened[Terrain::open(folder / "a.arete", {.prefetch = false, .open = {}})->manifest().id];
+  EXPECT_EQ(opened.size(), 2U);
+  EXPECT_EQ(opened[ids[0]] + opened[ids[1]], 300);
+}
+
+// The same source, killed while it built for a method and built again without it.
+TEST(Build, SegmentsOfAnAbandonedMethodAreNotPublished) {
+  TemporaryFolder folder;
+  Heightfield field = sample_field();
+  BuildOptions options = options_for(folder / "a.arete");
+  options.preprocess = [](const Terrain& terrain, Writers& writers) {
+    writers.write(sample_plan(terrain, "first"));
+    throw Error(ErrorCode::Cancelled, "planted");
+  };
+  EXPECT_THROW(build(field, options, {}), Error);
+  EXPECT_TRUE(fs::exists(folder / "a.arete.part/store/method-1.seg"));
+  options.preprocess = {};
+  build(field, options, {});
+  EXPECT_FALSE(fs::exists(folder / "a.arete/method-1.seg"));
+  EXPECT_EQ(read_all_files(folder / "a.arete").size(), 4U);
+}
+
 TEST(Build, ForceReplacesStoresOnly) {
   TemporaryFolder folder;
   fs::create_directories(folder / "precious");
@@ -337,6 +377,42 @@ TEST(Build, ATrailingSlashNamesTheSameStore) {
   build(field, options_for(folder.path() / "a.arete/"), {});
   EXPECT_TRUE(fs::exists(folder / "a.arete" / "manifest.json"));
   EXPECT_FALSE(fs::exists(folder / "a.arete" / ".part"));
+}
+
+// Each builder in turn owns the directory alone, from its lock to the end of its removal.
+TEST(PartDirectory, RemovalDeletesNothingOfTheNextBuilder) {
+  TemporaryFolder folder;
+  std::atomic<int> owned{0};
+  std::atomic<int> lost{0};
+  const auto work = [&](int builder) {
+    const std::string name = std::to_string(builder);
+    for (int i = 0; i < 12; ++i) {
+      try {
+        PartDirectory part(folder / "a.arete", name);
+        std::ofstream(part.units() / name) << name;
+        std::this_thread::yield();
+        lost += fs::exists(part.units() / name) ? 0 : 1;
+        ++owned;
+        part.remove();
+      } catch (const Error& error) {
+        lost += std::string(error.what()).find("another build") == std::string::npos ? 1 : 0;
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> builders;
+    for (int b = 0; b < 4; ++b) builders.emplace_back(work, b);
+  }
+  EXPECT_GT(owned, 1);
+  EXPECT_EQ(lost, 0);
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(PartDirectory, OneThatCannotBePreparedIsRemoved) {
+  TemporaryFolder folder;
+  fs::create_directories(folder / "a.arete.part/key.tmp/in the way");
+  EXPECT_THROW(PartDirectory(folder / "a.arete", "key"), Error);
+  EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
 // Once the old store may lie in the part directory, the same command must not take it for its own

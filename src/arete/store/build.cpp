@@ -55,6 +55,12 @@ void require_store(const fs::path& output) {
               output.string() + ": exists and is no store: choose another output");
 }
 
+// Another build has published between our first look and our lock.
+[[noreturn]] void fail_changed(const fs::path& output) {
+  throw Error(ErrorCode::Io,
+              output.string() + ": another build has just changed it: run the same command again");
+}
+
 std::uint64_t valid_posts(const Manifest& m) {
   const double posts = static_cast<double>(m.cols) * m.rows;
   return static_cast<std::uint64_t>(std::llround(posts * (1 - m.nodata_share)));
@@ -156,7 +162,9 @@ void build(HeightSource& source, const BuildOptions& options, const BuildContext
     return extend(output, options, context);
   }
   require_store(output);
+  const bool replaces = fs::exists(output);
   in_part_directory(output, part_key("build", options.source_key), [&](PartDirectory& part) {
+    if (fs::exists(output) != replaces) fail_changed(output);
     StoreBuilder builder(part.units(), part.store(), context);
     make_store(source, options, builder);
   });
@@ -167,6 +175,7 @@ void extend(const fs::path& named, const BuildOptions& options, const BuildConte
   const Manifest old = open_quietly(store)->manifest();
   in_part_directory(
       store, part_key("extend", old.id + options.source_key), [&](PartDirectory& part) {
+        if (open_quietly(store)->manifest().id != old.id) fail_changed(store);
         StoreBuilder builder(part.units(), part.store(), context);
         builder.adopt(store, old);
         if (options.drape != nullptr) write_drape(*options.drape, builder);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "arete/core/error.h"
 #include "arete/store/height_codec.h"
 
 namespace arete::store {
@@ -54,7 +55,11 @@ TileReader tiles_of(const SegmentReader& heights) {
     thread_local std::vector<std::byte> raw;
     thread_local HeightTile tile;
     if (heights.read(id.key(), raw) == 0) return nullptr;
-    decode_tile(raw, tile);
+    try {
+      decode_tile(raw, tile);
+    } catch (const Error& error) {
+      throw Error(error.code(), heights.label() + ": " + error.what());
+    }
     return &tile;
   };
 }

@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstring>
 #include <system_error>
+#include <vector>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -26,6 +27,15 @@ bool same_file(int fd, const fs::path& path) {
          held.st_ino == named.st_ino && held.st_dev == named.st_dev;
 }
 
+// 0 or the reason why not.
+int try_to_lock(int fd) {
+  int result = 0;
+  do {
+    result = ::flock(fd, LOCK_EX | LOCK_NB);
+  } while (result != 0 && errno == EINTR);
+  return result == 0 ? 0 : errno;
+}
+
 std::string read_text(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error)) return {};
@@ -41,6 +51,20 @@ PartDirectory::PartDirectory(const fs::path& output, const std::string& key) : p
   path_ += ".part";
   lock();
   try {
+    prepare(key);
+  } catch (...) {
+    remove();
+    ::close(lock_fd_);
+    throw;
+  }
+}
+
+PartDirectory::~PartDirectory() {
+  ::close(lock_fd_);
+}
+
+void PartDirectory::prepare(const std::string& key) {
+  try {
     if (read_text(path_ / "key") != key) {
       for (const fs::path& part : {units(), store(), retired()}) fs::remove_all(part);
       write_file_durably(path_ / "key", std::as_bytes(std::span(key)));
@@ -49,14 +73,9 @@ PartDirectory::PartDirectory(const fs::path& output, const std::string& key) : p
     fs::create_directories(units());
     fs::create_directories(store());
   } catch (const fs::filesystem_error& e) {
-    ::close(lock_fd_);
     throw Error(ErrorCode::Io,
                 fmt::format("{}: cannot prepare: {}", path_.string(), e.code().message()));
   }
-}
-
-PartDirectory::~PartDirectory() {
-  if (lock_fd_ >= 0) ::close(lock_fd_);
 }
 
 // The holder may delete the directory between our open and our flock: then the lock is on a file
@@ -68,13 +87,20 @@ void PartDirectory::lock() {
     fs::create_directories(path_, error);
     const int fd = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (fd < 0 && errno == ENOENT && !error) continue;
-    if (fd < 0)
+    if (fd < 0) {
+      const int reason = errno;
+      fs::remove(path_, error);  // only if it is empty
       throw Error(ErrorCode::Io,
-                  fmt::format("{}: cannot create: {}", path_.string(), std::strerror(errno)));
-    if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
+                  fmt::format("{}: cannot create: {}: choose an output that can be written",
+                              path_.string(), std::strerror(reason)));
+    }
+    if (const int reason = try_to_lock(fd); reason != 0) {
       ::close(fd);
-      throw Error(ErrorCode::Io,
-                  fmt::format("{}: another build is running: wait for it", path_.string()));
+      if (reason == EWOULDBLOCK)
+        throw Error(ErrorCode::Io,
+                    fmt::format("{}: another build is running: wait for it", path_.string()));
+      throw Error(ErrorCode::Io, fmt::format("{}: cannot lock: {}: choose another file system",
+                                             path_.string(), std::strerror(reason)));
     }
     if (same_file(fd, file)) {
       lock_fd_ = fd;
@@ -92,9 +118,16 @@ void PartDirectory::forget_key() {
   sync_directory(path_);
 }
 
+// The lock goes last: with it gone another build may begin here, and then nothing of it must be
+// deleted. What that build has put into the directory keeps the directory.
 void PartDirectory::remove() noexcept {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
+  std::error_code error;
+  std::vector<fs::path> all;
+  for (fs::directory_iterator it(path_, error), end; !error && it != end; it.increment(error))
+    if (it->path().filename() != "lock") all.push_back(it->path());
+  for (const fs::path& path : all) fs::remove_all(path, error);
+  fs::remove(path_ / "lock", error);
+  fs::remove(path_, error);
 }
 
 }  // namespace arete::store

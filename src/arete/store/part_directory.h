@@ -30,6 +30,7 @@ class PartDirectory {
 
  private:
   void lock();
+  void prepare(const std::string& key);
   std::filesystem::path path_;
   int lock_fd_ = -1;
 };

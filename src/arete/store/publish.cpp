@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <functional>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -25,21 +26,42 @@ void rename_or_fail(const fs::path& from, const fs::path& to) {
                 fmt::format("{}: cannot publish: {}", to.string(), std::strerror(errno)));
 }
 
+// What undoes the publication: the old store, if there was one, is at `output` again.
+using Undo = std::function<void()>;
+
+Undo move_aside_and_in(const fs::path& from, const fs::path& output, const fs::path& retired) {
+  rename_or_fail(output, retired);
+  try {
+    rename_or_fail(from, output);
+  } catch (const Error&) {
+    rename_or_fail(retired, output);
+    throw;
+  }
+  return [=] {
+    rename_or_fail(output, from);
+    rename_or_fail(retired, output);
+  };
+}
+
+Undo put_in_place(const fs::path& from, const fs::path& output, const fs::path& retired) {
+  if (!fs::exists(output)) {
+    rename_or_fail(from, output);
+    return [=] { rename_or_fail(output, from); };
+  }
+  if (exchange(from, output)) return [=] { exchange(from, output); };
+  return move_aside_and_in(from, output, retired);
+}
+
 }  // namespace
 
 void publish_directory(const fs::path& from, const fs::path& output, const fs::path& retired) {
-  if (!fs::exists(output)) {
-    rename_or_fail(from, output);
-  } else if (!exchange(from, output)) {
-    rename_or_fail(output, retired);
-    try {
-      rename_or_fail(from, output);
-    } catch (const Error&) {
-      rename_or_fail(retired, output);
-      throw;
-    }
+  const Undo undo = put_in_place(from, output, retired);
+  try {
+    sync_directory(output.has_parent_path() ? output.parent_path() : fs::path("."));
+  } catch (const Error&) {
+    undo();
+    throw;
   }
-  sync_directory(output.has_parent_path() ? output.parent_path() : fs::path("."));
 }
 
 }  // namespace arete::store

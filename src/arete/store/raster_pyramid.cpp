@@ -77,7 +77,7 @@ std::unique_ptr<RasterSource> open_raster(const SegmentReader& segment,
   const auto shape = parse_raster_params(segment.params());
   if (!shape)
     throw Error(ErrorCode::Corrupt,
-                fmt::format("segment {}: holds no raster pyramid", segment.name()));
+                segment.label() + ": holds no raster pyramid: rebuild the store");
   return std::make_unique<StoredRaster>(segment, *shape, damaged);
 }
 

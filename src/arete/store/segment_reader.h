@@ -25,6 +25,7 @@ class SegmentReader {
   SegmentReader(std::unique_ptr<File> file, std::string label, Verify verify = Verify::Pages);
 
   const std::string& name() const { return header_.name; }
+  const std::string& label() const { return label_; }
   const std::string& params() const { return params_; }
   std::string id() const { return header_.id.hex(); }
   std::uint64_t bytes() const { return header_.file_bytes; }

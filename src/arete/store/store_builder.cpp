@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <set>
 
 #include "arete/core/error.h"
 #include "arete/store/manifest.h"
@@ -157,7 +158,18 @@ void StoreBuilder::write(const SegmentPlan& plan) {
   assemble_all(folder, plan.units, plan.name, plan.params);
 }
 
+// A killed build for other methods leaves segments, or halves of them, that this store is without.
+void StoreBuilder::remove_strays() const {
+  std::set<fs::path> known{store_ / kManifestName};
+  for (const SegmentRecord& segment : manifest.segments) known.insert(file_of(segment.name));
+  std::vector<fs::path> strays;
+  for (const auto& entry : fs::directory_iterator(store_))
+    if (!known.contains(entry.path())) strays.push_back(entry.path());
+  for (const fs::path& stray : strays) fs::remove_all(stray);
+}
+
 void StoreBuilder::finish() {
+  remove_strays();
   manifest.id = manifest_id(manifest);
   for (const SegmentRecord& segment : manifest.segments) sync_file(file_of(segment.name));
   const std::string text = to_text(manifest);

@@ -47,6 +47,7 @@ class StoreBuilder : public Writers {
  private:
   std::filesystem::path file_of(const std::string& name) const;
   void add(const SegmentRecord& record);
+  void remove_strays() const;
 
   std::filesystem::path units_, store_;
   const BuildContext& context_;

@@ -1,8 +1,10 @@
 #include "arete/store/terrain.h"
 
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include "arete/core/error.h"
 #include "arete/store/height_codec.h"
@@ -31,6 +33,15 @@ std::string read_text(const File& file, const std::string& name) {
 
 std::size_t bytes_of(const HeightTile& tile) {
   return sizeof(HeightTile) + tile.counts.capacity() * sizeof(std::int32_t) + tile.valid.capacity();
+}
+
+using DirectoryIdentity = std::array<std::uint64_t, 2>;
+
+// Zeros when there is none.
+DirectoryIdentity identity_of(const std::filesystem::path& directory) {
+  struct stat status {};
+  if (::stat(directory.c_str(), &status) != 0) return {};
+  return {status.st_dev, status.st_ino};
 }
 
 // Level 0 from the heights, the other levels from the segment.
@@ -152,10 +163,19 @@ bool Terrain::Impl::known_damaged(const BlockName& name) {
 Terrain::Terrain() = default;
 Terrain::~Terrain() = default;
 
+// While a new store takes an old one's place, names may lead to files of both: then the one that is
+// there now is opened.
 std::unique_ptr<Terrain> Terrain::open(const std::filesystem::path& store, OpenOptions options) {
   std::unique_ptr<Terrain> terrain(new Terrain());
-  terrain->impl_ = std::make_unique<Impl>(store, std::move(options));
-  return terrain;
+  while (true) {
+    const DirectoryIdentity before = identity_of(store);
+    try {
+      terrain->impl_ = std::make_unique<Impl>(store, options);
+      return terrain;
+    } catch (const Error&) {
+      if (identity_of(store) == before) throw;
+    }
+  }
 }
 
 const Manifest& Terrain::manifest() const {

@@ -80,7 +80,8 @@ struct OpenOptions {
 /// Thread contract: every const member may be called from several threads at once.
 class Terrain {
  public:
-  /// Checks the manifest, every segment's header, directory and footer.
+  /// Checks the manifest, every segment's header, directory and footer. Of a store that is being
+  /// replaced the old or the new one is opened.
   /// Throws: NotFound, Corrupt, Unsupported, each naming file, cause and remedy.
   static std::unique_ptr<Terrain> open(const std::filesystem::path& store,
                                        OpenOptions options = {});

@@ -67,11 +67,13 @@ void UnitWriter::flush() {
   buffer_.clear();
 }
 
+UnitReader::UnitReader(const std::filesystem::path& file)
+    : file_(open_file(file)), file_name_(file.string()) {}
+
 std::unique_ptr<UnitReader> UnitReader::open(const std::filesystem::path& file,
                                              std::uint64_t unit_key, Trust trust) {
   if (!std::filesystem::exists(file)) return nullptr;
-  std::unique_ptr<UnitReader> unit(new UnitReader());
-  unit->file_ = open_file(file);
+  std::unique_ptr<UnitReader> unit(new UnitReader(file));
   return unit->read_index(unit_key, trust) ? std::move(unit) : nullptr;
 }
 
@@ -113,7 +115,7 @@ bool UnitReader::read(std::uint64_t key, std::vector<std::byte>& raw) const {
   read_stored(static_cast<std::size_t>(found - entries_.begin()), stored);
   raw.resize(found->raw_bytes);
   if (!decompress_block(stored, raw) || hash64(raw) != found->raw_hash)
-    throw Error(ErrorCode::Corrupt, "part directory: a finished unit changed: build again");
+    throw Error(ErrorCode::Corrupt, file_name_ + ": a finished unit changed: build again");
   return true;
 }
 

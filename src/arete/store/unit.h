@@ -56,11 +56,12 @@ class UnitReader {
   void read_stored(std::size_t i, std::vector<std::byte>& stored) const;
 
  private:
-  UnitReader() = default;
+  explicit UnitReader(const std::filesystem::path& file);
   bool read_index(std::uint64_t unit_key, Trust trust);
   std::uint64_t hash_of_file(std::uint64_t bytes) const;
 
   std::unique_ptr<File> file_;
+  std::string file_name_;
   std::vector<BlockEntry> entries_;
   std::vector<std::byte> aux_;
 };
