@@ -11,6 +11,11 @@
 
 namespace arete::lod {
 
+Params params_for(std::string_view method, Params params) {
+  if (method == "soar" || method == "smart") params.erase("patch");
+  return params;
+}
+
 BuiltTerrain::BuiltTerrain(Heightfield dem, const Params& params) : dem_(std::move(dem)) {
   static std::atomic<int> counter{0};
   folder_ = std::filesystem::temp_directory_path() /
@@ -21,7 +26,7 @@ BuiltTerrain::BuiltTerrain(Heightfield dem, const Params& params) : dem_(std::mo
   options.source_key = "test";
   options.preprocess = [&](const store::Terrain& terrain, store::Writers& writers) {
     for (const EngineInfo& info : engines()) {
-      info.preprocess(terrain, writers, {}, params);
+      info.preprocess(terrain, writers, {}, params_for(info.name, params));
       options.methods.emplace_back(info.name);
     }
   };

@@ -11,6 +11,9 @@
 
 namespace arete::lod {
 
+/// The params that the method knows: `patch` is of methods with patches only.
+Params params_for(std::string_view method, Params params);
+
 /// A store of a DEM with every method's segments, in a folder of its own that goes with it.
 class BuiltTerrain {
  public:

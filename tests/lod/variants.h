@@ -7,6 +7,8 @@
 
 #include "arete/lod/engine.h"
 
+#include "lod/built_terrain.h"
+
 namespace arete::lod {
 
 /// A method as the common tests open it.
@@ -18,7 +20,7 @@ struct Variant {
   std::unique_ptr<Engine> open(const store::Terrain& terrain, std::string_view patch) const {
     Params all = params;
     all["patch"] = patch;
-    return find_engine(method).open(terrain, all);
+    return find_engine(method).open(terrain, params_for(method, all));
   }
 };
 

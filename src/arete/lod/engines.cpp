@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 
 #include "arete/core/error.h"
+#include "arete/lod/bintree/bintree.h"
+#include "arete/lod/bintree/smart.h"
+#include "arete/lod/bintree/soar.h"
 #include "arete/lod/deboer/deboer.h"
 #include "arete/lod/engine.h"
 #include "arete/lod/full/full.h"
@@ -12,13 +15,17 @@
 namespace arete::lod {
 
 std::span<const EngineInfo> engines() {
-  static constexpr std::array<EngineInfo, 3> kEngines{{
+  static constexpr std::array<EngineInfo, 5> kEngines{{
       {"full", "", "every post, every triangle: the reference", full::preprocess, full::open},
       {"geomipmap", "Wagner2003", "square patches, continuous levels, nine-factor geomorph",
        geomipmap::preprocess, geomipmap::open},
       {"deboer", "deBoer2000",
        "square blocks, levels by distance, sides of any difference, no morph", deboer::preprocess,
        deboer::open},
+      {"soar", "LindstromPascucci2002", "bin-tree refined from the top every frame, one strip",
+       bintree::preprocess, bintree::open_soar},
+      {"smart", "BaoPajarolaShafae2004", "the triangles of soar, statuses kept in live ranges",
+       bintree::preprocess, bintree::open_smart},
   }};
   return kEngines;
 }

@@ -1,0 +1,177 @@
+#include "arete/lod/bintree/bin_tree.h"
+
+#include <algorithm>
+
+namespace arete::lod::bintree {
+namespace {
+
+constexpr std::uint32_t kRoots = 4;
+
+Ticks earlier(const Ticks& a, const Ticks& b) {
+  return {std::min(a[Move], b[Move]), std::min(a[Scale], b[Scale]), std::min(a[Turn], b[Turn])};
+}
+
+}  // namespace
+
+BinTree::BinTree(Ground& ground, VertexArray& vertices, const Options& options)
+    : ground_(ground),
+      vertices_(vertices),
+      reuse_(options.reuse),
+      capacity_(options.capacity),
+      nodes_(kRoots) {}
+
+BinTree::Triangle BinTree::root(std::size_t i) const {
+  const RootTriangle& r = kRootTriangles[i];
+  const auto slot = [](VertexIndex corner) {
+    return VertexArray::kFirstCornerSlot + static_cast<std::uint32_t>(corner - kSouthWest);
+  };
+  return {kCentre,      r.middle,      VertexArray::kCentreSlot,
+          slot(r.left), slot(r.right), ground_.domain().depths() - 1};
+}
+
+Findings BinTree::refine(const Frame& frame) {
+  frame_ = &frame;
+  findings_ = {};
+  indices_.begin();
+  std::array<std::uint32_t, kRoots> counts;
+  for (std::uint32_t i = 0; i < kRoots; ++i) counts[i] = nodes_[i].indices;
+  std::uint32_t at = 0;
+  for (std::uint32_t i = 0; i < kRoots; ++i) {
+    visit(i, root(i), {!fresh_, at});
+    at += counts[i];
+    findings_.delta = std::max(findings_.delta, nodes_[i].delta);
+  }
+  fresh_ = false;
+  indices_.end();
+  findings_.halved = indices_.all().size() / 3 - kRoots;
+  return findings_;
+}
+
+void BinTree::visit(std::uint32_t node, const Triangle& t, Before before) {
+  Node& n = nodes_[node];
+  if (before.drawn && reuse_ == Reuse::Subtrees && alive(frame_->odometer.now(), n.until)) {
+    indices_.copy(before.at, n.indices);
+    return;
+  }
+  ++findings_.visited;
+  const bool there = find_status(n, t);
+  if (there && vertices_.live(n.vertex).active()) {
+    draw_halves(node, t, before);
+  } else {
+    draw_whole(n, t, !there);
+  }
+}
+
+// False when the vertex is not there.
+bool BinTree::find_status(Node& node, const Triangle& t) {
+  if (node.vertex == VertexArray::kNone) {
+    node.vertex =
+        vertices_.acquire(t.g, middle_of(vertices_.post(t.left), vertices_.post(t.right)));
+    if (node.vertex == VertexArray::kNone) return false;
+  }
+  LiveVertex& vertex = vertices_.live(node.vertex);
+  const bool dead = !alive(frame_->odometer.now(), vertex.until);
+  // "If v's bounding sphere overlaps the view volume and d_tau is not negative, d_c is
+  // re-evaluated" [BaoPajarolaShafae2004, Figure 6], by the flags from before the rotation.
+  const bool doubted = frame_->figure_6 && vertex.selected && vertex.visible;
+  if (dead || doubted) {
+    evaluate(node.vertex);
+    // A vertex without all its ancestors counts as missing.
+    if (vertex.selected && vertex.visible && !vertices_.root(node.vertex)) {
+      vertices_.live(node.vertex).until = {};
+      return false;
+    }
+  }
+  return true;
+}
+
+void BinTree::evaluate(std::uint32_t slot) {
+  ++findings_.evaluated;
+  LiveVertex& vertex = vertices_.live(slot);
+  frame_->evaluation(vertices_.ball(slot), vertex);
+  if (vertex.selected && !vertex.visible) ++findings_.culled;
+}
+
+void BinTree::draw_whole(Node& node, const Triangle& t, bool late) {
+  // Triangles of odd depth are wound counter-clockwise (vertex_index.h); depths are even in number.
+  const bool turn = (t.levels & 1) == 0;
+  indices_.triangle(t.apex, turn ? t.right : t.left, turn ? t.left : t.right);
+  node.indices = 3;
+  node.halved = false;
+  if (late) {
+    count_late(t);
+    node.until = {};
+    node.delta = 0;
+    return;
+  }
+  const LiveVertex& vertex = vertices_.live(node.vertex);
+  node.until = vertex.until;
+  node.delta = vertex.record.delta;
+}
+
+void BinTree::draw_halves(std::uint32_t node, const Triangle& t, Before before) {
+  const std::uint32_t middle = nodes_[node].vertex;
+  const Ticks own = vertices_.live(middle).until;
+  if (t.levels == 1) {
+    indices_.triangle(middle, t.apex, t.left);
+    indices_.triangle(middle, t.right, t.apex);
+    Node& n = nodes_[node];
+    n = {
+        .child = n.child, .vertex = middle, .until = own, .indices = 6, .delta = 0, .halved = true};
+    return;
+  }
+  const std::uint32_t child = children_of(node);
+  const bool drawn = before.drawn && nodes_[node].halved;
+  const std::uint32_t right_at = before.at + nodes_[child].indices;
+  visit(child, {t.g, left_child(t.p, t.g), middle, t.left, t.apex, t.levels - 1},
+        {drawn, before.at});
+  visit(child + 1, {t.g, right_child(t.p, t.g), middle, t.apex, t.right, t.levels - 1},
+        {drawn, right_at});
+  const Node& left = nodes_[child];
+  const Node& right = nodes_[child + 1];
+  Node& n = nodes_[node];
+  n.until = earlier(own, earlier(left.until, right.until));
+  n.indices = left.indices + right.indices;
+  n.delta = std::max(left.delta, right.delta);
+  n.halved = true;
+}
+
+std::uint32_t BinTree::children_of(std::uint32_t node) {
+  if (nodes_[node].child == 0) {
+    nodes_[node].child = static_cast<std::uint32_t>(nodes_.size());
+    nodes_.resize(nodes_.size() + 2);
+  }
+  return nodes_[node].child;
+}
+
+void BinTree::count_late(const Triangle& t) {
+  findings_.add_late(frame_->rule, vertices_.ball(t.apex),
+                     ground_.pages().delta_max(ground_.domain().depths() - t.levels));
+}
+
+void BinTree::collect() {
+  old_nodes_.swap(nodes_);
+  nodes_.assign(kRoots, {});
+  vertices_.begin_collection();
+  for (std::uint32_t i = 0; i < kRoots; ++i) keep_subtree(i, i, kCentre, kRootTriangles[i].middle);
+  vertices_.end_collection();
+  old_nodes_.clear();
+  if (2 * nodes_.size() > capacity_) capacity_ *= 2;
+  fresh_ = true;
+}
+
+void BinTree::keep_subtree(std::uint32_t from, std::uint32_t to, VertexIndex p, VertexIndex g) {
+  nodes_[to] = old_nodes_[from];
+  nodes_[to].vertex = vertices_.keep(old_nodes_[from].vertex, g);
+  const std::uint32_t child = old_nodes_[from].child;
+  if (!old_nodes_[from].halved || child == 0) {
+    nodes_[to].child = 0;
+    return;
+  }
+  nodes_[to].child = 0;
+  const std::uint32_t kept = children_of(to);
+  keep_subtree(child, kept, g, left_child(p, g));
+  keep_subtree(child + 1, kept + 1, g, right_child(p, g));
+}
+
+}  // namespace arete::lod::bintree

@@ -1,0 +1,51 @@
+#include "arete/lod/bintree/coarsening.h"
+
+#include <cmath>
+
+#include "arete/lod/least_fitting.h"
+
+namespace arete::lod::bintree {
+namespace {
+
+struct Count {
+  void begin(Corner&) {}
+  void halved(Corner&, int) {}
+  void whole(Corner&, Corner&, Corner&, int) {}
+  void morph(Corner&, const Ball&, const Corner&, const Corner&) {}
+  void root_done(Corner&) {}
+};
+
+double excess(const Need& need, const Budget& budget) {
+  const auto ratio = [](std::uint64_t n, std::uint64_t cap) {
+    return static_cast<double>(n) / static_cast<double>(std::max<std::uint64_t>(cap, 1));
+  };
+  return std::log(std::max(ratio(need.triangles(), budget.triangles),
+                           ratio(need.vertex_bytes(), budget.vertex_bytes)));
+}
+
+}  // namespace
+
+ScreenError asked_error(const View& view, const RefineOptions& options) {
+  return {view, options.tolerance_px, options.scale};
+}
+
+ScreenError fitting_error(Ground& ground, const View& view, const RefineOptions& options) {
+  constexpr double kLeastPx = 0x1p-20;  // "every post" has no tolerance to multiply
+  const ScreenError base(view, std::max(options.tolerance_px, kLeastPx), options.scale);
+  ScreenError used = asked_error(view, options);
+  least_fitting([&](double log_times) {
+    if (log_times > 0) used = base.coarser(std::exp(log_times));
+    const Criterion criterion(view, used);
+    Count count;
+    Walk<Count> walk(ground, {criterion, used, options}, count);
+    walk.refine_all();
+    return excess({walk.findings().halved}, options.budget);
+  });
+  return used;
+}
+
+double kept_tolerance_px(const Ground& ground, const View& view, const ScreenError& error) {
+  return error.tolerance_px(error.allowed_m(0) > 0 ? ground.nearest_m(view.eye) : 1.0);
+}
+
+}  // namespace arete::lod::bintree

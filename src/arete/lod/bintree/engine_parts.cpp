@@ -1,0 +1,60 @@
+#include "arete/lod/bintree/engine_parts.h"
+
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "arete/core/error.h"
+#include "arete/lod/params.h"
+
+namespace arete::lod::bintree {
+namespace {
+
+Delta parse_delta(std::string_view text) {
+  if (text == "exact") return Delta::Exact;
+  if (text == "incremental") return Delta::Incremental;
+  throw Error(ErrorCode::Usage, fmt::format("delta={}: unknown: use exact or incremental", text));
+}
+
+Prefetch parse_prefetch(std::string_view text) {
+  if (text == "on") return Prefetch::On;
+  if (text == "off") return Prefetch::Off;
+  throw Error(ErrorCode::Usage, fmt::format("prefetch={}: unknown: use on or off", text));
+}
+
+}  // namespace
+
+RecordPages::Options page_options(const Params& params) {
+  const auto pages = static_cast<std::size_t>(int_param(params, "pages", 1 << 16, {1, 1 << 28}));
+  return {.delta = parse_delta(param(params, "delta", "exact")),
+          .budget_bytes = pages * kRecordPageBytes,
+          .prefetch = parse_prefetch(param(params, "prefetch", "on"))};
+}
+
+Claims claims_of(const RefineOptions& options, Bounded bounded) {
+  const double none = std::numeric_limits<double>::infinity();
+  const double tolerance = bounded == Bounded::Yes ? options.tolerance_px : none;
+  // An angle is not a distance in the image: under Angular the bound holds on a sphere only.
+  const bool in_pixels = options.scale != ErrorScale::Angular;
+  return {.conforming = true,
+          .error_px = in_pixels ? tolerance : none,
+          .pop_px = none,  // a vertex comes or goes at once
+          .error_angular_px = in_pixels ? none : tolerance};
+}
+
+float error_m(const Findings& found) {
+  const auto late = static_cast<float>(found.late_error_m);
+  return std::max(value(found.delta), std::nextafter(late, 2 * late));
+}
+
+void report(const Ground& ground, const Findings& found, RefineStats& stats) {
+  stats.triangles = found.halved + 4;
+  stats.visited_nodes = found.visited;
+  stats.evaluated_vertices = found.evaluated;
+  stats.culled = found.culled;
+  stats.late_blocks = found.late;
+  stats.full_triangles = ground.full_triangles();
+  stats.achieved_error_px = std::max(stats.tolerance_px, found.late_error_px);
+}
+
+}  // namespace arete::lod::bintree

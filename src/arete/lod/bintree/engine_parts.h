@@ -1,0 +1,22 @@
+#pragma once
+
+#include "arete/lod/bintree/coarsening.h"
+#include "arete/lod/bintree/record_pages.h"
+#include "arete/lod/engine.h"
+
+namespace arete::lod::bintree {
+
+/// From the params `delta`, `pages` and `prefetch`. Throws: Usage.
+RecordPages::Options page_options(const Params& params);
+
+/// What nu delta + r with bounding deltas promises, and nothing where `bounded` is No.
+enum class Bounded { No, Yes };
+Claims claims_of(const RefineOptions& options, Bounded bounded);
+
+/// Fills in what a frame's stats say of the surface. The error in pixels is the tolerance kept,
+/// which out.stats names, unless something is missing.
+void report(const Ground& ground, const Findings& found, RefineStats& stats);
+/// Bound on |drawn - true| over the frame, metres.
+float error_m(const Findings& found);
+
+}  // namespace arete::lod::bintree

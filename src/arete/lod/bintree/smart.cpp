@@ -1,0 +1,157 @@
+#include "arete/lod/bintree/smart.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "arete/core/error.h"
+#include "arete/lod/bintree/bin_tree.h"
+#include "arete/lod/bintree/engine_parts.h"
+#include "arete/lod/params.h"
+
+namespace arete::lod::bintree {
+namespace {
+
+struct Options {
+  RecordPages::Options pages;
+  BinTree::Options tree;
+  double tick_m = 1;
+  Rounding rounding = Rounding::Exact;
+  bool literal = false;
+};
+
+class SmartEngine final : public Engine {
+ public:
+  SmartEngine(const store::Terrain& terrain, const Options& options)
+      : ground_(terrain, options.pages),
+        options_(options),
+        vertices_(ground_),
+        tree_(ground_, vertices_, options.tree),
+        odometer_(options.tick_m, options.rounding) {}
+
+  void refine(const View& view, const RefineOptions& options, DrawList& out) override {
+    out.clear();
+    if (!ground_.has_cells()) return;
+    ground_.pages().begin_frame();
+    vertices_.begin_frame(options.on_missing);
+    if (tree_.is_full()) tree_.collect();
+    const Findings found = refine_within(view, options, out.stats);
+    const auto indices = tree_.indices();
+    out.indices.assign(indices.begin(), indices.end());
+    out.batches.push_back({.vertices = vertices_.key(),
+                           .index_count = static_cast<std::uint32_t>(out.indices.size()),
+                           .error = error_m(found)});
+    report(ground_, found, out.stats);
+    report_vertices(out);
+  }
+
+  Claims claims(const RefineOptions& options) const override {
+    const bool bounded = options_.pages.delta == Delta::Exact && is_exact();
+    Claims claims = claims_of(options, bounded ? Bounded::Yes : Bounded::No);
+    claims.conforming = is_exact();
+    return claims;
+  }
+  Footprint footprint() const override { return {.batches = 1, .least = least_budget()}; }
+
+  std::span<const Vertex> vertices(BlockKey) const override { return vertices_.drawn(); }
+  std::span<const std::uint32_t> indices(BlockKey) const override { return {}; }
+
+ private:
+  bool is_exact() const { return options_.rounding != Rounding::Floor && !options_.literal; }
+
+  // A frame that a budget bound is likely followed by another.
+  Findings refine_within(const View& view, const RefineOptions& options, RefineStats& stats) {
+    Findings found;
+    ScreenError error = bound_ ? fitting_error(ground_, view, options) : asked_error(view, options);
+    found = refine_once(view, error, options);
+    if (!bound_ && !Need{found.halved}.fits(options.budget)) {
+      error = fitting_error(ground_, view, options);
+      found = refine_once(view, error, options);
+    }
+    const double asked_m = asked_error(view, options).allowed_m(1);
+    bound_ = error.allowed_m(1) != asked_m;
+    stats.tolerance_px = bound_ ? kept_tolerance_px(ground_, view, error) : options.tolerance_px;
+    if (vertex_bytes(found) > options.budget.vertex_bytes) {
+      tree_.collect();
+      found = refine_once(view, error, options);
+    }
+    return found;
+  }
+
+  std::uint64_t vertex_bytes(const Findings& found) const {
+    return vertices_.size() * sizeof(Vertex) + 3 * sizeof(std::uint32_t) * (found.halved + 4);
+  }
+
+  Findings refine_once(const View& view, const ScreenError& error, const RefineOptions& options) {
+    const Criterion criterion(view, error);
+    const bool holds = odometer_.advance(criterion) && options.cull == culled_;
+    culled_ = options.cull;
+    if (!holds) {
+      vertices_.expire();
+      tree_.forget_triangles();
+    }
+    const Evaluation evaluation(
+        criterion, odometer_,
+        {.safe = options_.literal ? SafeDistance::Least : SafeDistance::Status,
+         .culling = options.cull});
+    const Rule rule{criterion, error, options};
+    return tree_.refine({rule, odometer_, evaluation, options_.literal && odometer_.turned()});
+  }
+
+  void report_vertices(DrawList& out) {
+    const bool renewed = vertices_.key() != uploaded_key_;
+    const auto first = renewed ? 0 : uploaded_;
+    uploaded_key_ = vertices_.key();
+    uploaded_ = static_cast<std::uint32_t>(vertices_.size());
+    out.uploads.push_back({uploaded_key_, first, uploaded_ - first});
+    out.stats.built_blocks = renewed ? 1 : 0;
+    out.stats.bytes_built = (uploaded_ - first) * sizeof(Vertex);
+    out.stats.resident_bytes = vertices_.size() * sizeof(Vertex) +  //
+                               out.indices.size() * sizeof(std::uint32_t);
+  }
+
+  Ground ground_;
+  Options options_;
+  VertexArray vertices_;
+  BinTree tree_;
+  Odometer odometer_;
+  bool culled_ = true, bound_ = false;
+  BlockKey uploaded_key_ = kOwnBlock;
+  std::uint32_t uploaded_ = 0;
+};
+
+Rounding parse_ticks(std::string_view text) {
+  if (text == "exact") return Rounding::Exact;
+  if (text == "ceil") return Rounding::Ceil;
+  if (text == "floor") return Rounding::Floor;
+  throw Error(ErrorCode::Usage, fmt::format("ticks={}: unknown: use exact, ceil or floor", text));
+}
+
+Reuse parse_reuse(std::string_view text) {
+  if (text == "subtrees") return Reuse::Subtrees;
+  if (text == "statuses") return Reuse::Statuses;
+  throw Error(ErrorCode::Usage, fmt::format("reuse={}: unknown: use subtrees or statuses", text));
+}
+
+double spacing_m(const store::Terrain& terrain) {
+  return std::sqrt(std::abs(terrain.manifest().georef.world_from_post.determinant()));
+}
+
+}  // namespace
+
+std::unique_ptr<Engine> open_smart(const store::Terrain& terrain, const Params& params) {
+  check_names(params,
+              {"delta", "pages", "prefetch", "tick", "ticks", "reuse", "capacity", "literal"});
+  Options options;
+  options.pages = page_options(params);
+  options.literal = flag_param(params, "literal");
+  options.rounding = parse_ticks(param(params, "ticks", options.literal ? "floor" : "exact"));
+  options.tree.reuse =
+      parse_reuse(param(params, "reuse", options.literal ? "statuses" : "subtrees"));
+  options.tree.capacity =
+      static_cast<std::size_t>(int_param(params, "capacity", 1 << 16, {16, 1 << 28}));
+  options.tick_m = 1e-3 * int_param(params, "tick", 20, {1, 1'000'000}) * spacing_m(terrain);
+  return std::make_unique<SmartEngine>(terrain, options);
+}
+
+}  // namespace arete::lod::bintree

@@ -1,0 +1,80 @@
+#include "arete/lod/bintree/vertex_array.h"
+
+namespace arete::lod::bintree {
+
+VertexArray::VertexArray(Ground& ground) : ground_(ground) {
+  const Domain& domain = ground.domain();
+  append(kCentre, domain.post_of(kCentre), ground.centre());
+  for (VertexIndex v = kSouthWest; v <= kNorthWest; ++v)
+    append(v, domain.post_of(v), ground.corner(v));
+  for (LiveVertex& v : live_) v.rooted = true;
+}
+
+std::uint32_t VertexArray::append(VertexIndex index, Post post, const Record& record) {
+  const auto slot = static_cast<std::uint32_t>(drawn_.size());
+  drawn_.push_back({.post = post, .z = static_cast<float>(ground_.z_of(record))});
+  live_.push_back({.record = record});
+  slots_.set(index, slot);
+  return slot;
+}
+
+void VertexArray::begin_frame(OnMissing on_missing) {
+  on_missing_ = on_missing;
+  if (missing_.size() > 0) missing_.clear();
+}
+
+std::uint32_t VertexArray::acquire(VertexIndex index, Post post) {
+  if (const std::uint32_t* known = slots_.find(index)) return *known;
+  if (missing_.size() > 0 && missing_.find(index) != nullptr) return kNone;
+  if (const Record* record = ground_.pages().find(index, on_missing_))
+    return append(index, post, *record);
+  missing_.set(index, 0);
+  return kNone;
+}
+
+bool VertexArray::root(std::uint32_t slot) {
+  if (live_[slot].rooted) return true;
+  const Parents parents = parents_of(drawn_[slot].post, ground_.domain());
+  for (int i = 0; i < parents.count; ++i) {
+    const Post post = parents.post[static_cast<std::size_t>(i)];
+    const std::uint32_t at = acquire(ground_.domain().index_of(post), post);
+    if (at == kNone || !root(at)) return false;
+  }
+  live_[slot].rooted = true;
+  return true;
+}
+
+void VertexArray::expire() {
+  for (LiveVertex& v : live_) v.until = {};
+}
+
+void VertexArray::begin_collection() {
+  old_drawn_.swap(drawn_);
+  old_live_.swap(live_);
+  drawn_.clear();
+  live_.clear();
+  slots_.clear();
+  ++key_;
+  for (std::uint32_t slot = 0; slot < 5; ++slot)
+    keep(slot, slot == 0 ? kCentre : kSouthWest + slot - 1);
+}
+
+std::uint32_t VertexArray::keep(std::uint32_t slot, VertexIndex index) {
+  if (slot == kNone) return kNone;
+  if (const std::uint32_t* known = slots_.find(index)) return *known;
+  const auto kept = static_cast<std::uint32_t>(drawn_.size());
+  drawn_.push_back(old_drawn_[slot]);
+  live_.push_back(old_live_[slot]);
+  // Ancestors of active vertices are in the tree and kept; those of others may not be.
+  LiveVertex& vertex = live_.back();
+  vertex.rooted = vertex.active();
+  slots_.set(index, kept);
+  return kept;
+}
+
+void VertexArray::end_collection() {
+  old_drawn_.clear();
+  old_live_.clear();
+}
+
+}  // namespace arete::lod::bintree

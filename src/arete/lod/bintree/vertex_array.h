@@ -1,0 +1,59 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "arete/core/draw_list.h"
+#include "arete/lod/bintree/ground.h"
+#include "arete/lod/bintree/live_range.h"
+
+namespace arete::lod::bintree {
+
+/// The vertices that the bin-tree array has met, in the order it met them: appended only, so that a
+/// renderer keeps them and frames send indices alone [BaoPajarolaShafae2004, 4.5]. Deviation: one
+/// place a vertex instead of one a node, so a status is found once for both of its triangles.
+class VertexArray {
+ public:
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  /// The first five.
+  static constexpr std::uint32_t kCentreSlot = 0, kFirstCornerSlot = 1;
+
+  explicit VertexArray(Ground& ground);
+
+  /// Vertices that could not be found are looked for again.
+  void begin_frame(OnMissing on_missing);
+  /// The vertex's place; kNone when its record is not there, and then for all of the frame.
+  std::uint32_t acquire(VertexIndex index, Post post);
+  /// True when all ancestors have places too: what an active vertex needs, whatever is missing.
+  bool root(std::uint32_t slot);
+
+  LiveVertex& live(std::uint32_t slot) { return live_[slot]; }
+  Post post(std::uint32_t slot) const { return drawn_[slot].post; }
+  Ball ball(std::uint32_t slot) const {
+    return ground_.ball(drawn_[slot].post, live_[slot].record);
+  }
+
+  /// The drawn vertices; they hold until collect().
+  std::span<const Vertex> drawn() const { return drawn_; }
+  std::size_t size() const { return drawn_.size(); }
+  BlockKey key() const { return key_; }
+  /// Ends every live range.
+  void expire();
+
+  /// Begins a copy that keeps what is kept, in that order, under a new key.
+  void begin_collection();
+  std::uint32_t keep(std::uint32_t slot, VertexIndex index);
+  void end_collection();
+
+ private:
+  std::uint32_t append(VertexIndex index, Post post, const Record& record);
+
+  Ground& ground_;
+  OnMissing on_missing_ = OnMissing::Wait;
+  std::vector<Vertex> drawn_, old_drawn_;
+  std::vector<LiveVertex> live_, old_live_;
+  IndexMap slots_, missing_;
+  BlockKey key_ = 1;
+};
+
+}  // namespace arete::lod::bintree
