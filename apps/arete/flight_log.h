@@ -15,6 +15,7 @@ class FlightLog {
   struct Line {
     double seconds = 0;        ///< since the program began
     double frame_ms = 0;       ///< since the frame before was on the screen
+    double cpu_ms = 0;         ///< that the whole process computed in that time
     std::string_view terrain;  ///< "store", or "preview" while the store is being built
     std::string_view method, mode;
     Pose pose;

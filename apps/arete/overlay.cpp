@@ -208,7 +208,9 @@ void draw_notices(const std::vector<Notice>& notices) {
                kPanel | ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs);
   for (const Notice& notice : notices) {
     if (notice.mood == Mood::Working) {
+      ImGui::PushStyleColor(ImGuiCol_PlotHistogram, kBlue);
       ImGui::ProgressBar(static_cast<float>(notice.done), ImVec2(140, 0));
+      ImGui::PopStyleColor();
       ImGui::SameLine();
     }
     ImGui::PushTextWrapPos(size.x - 48);

@@ -9,8 +9,14 @@ namespace arete::app {
 void add_view(CLI::App& app) {
   auto flags = std::make_shared<ViewFlags>();
   flags->flight.path.clear();
-  CLI::App* const verb = add_verb(app, "view", "Fly over the terrain in a window",
-                                  "arete view alps.arete --method smooth --tolerance 2");
+  CLI::App* const verb =
+      add_verb(app, "view", "Fly over the terrain in a window",
+               "arete view alps.arete --method smooth --tolerance 2\n\n"
+               "In the window:\n"
+               "  left drag pans, right drag or wheel zooms, middle drag turns,\n"
+               "  double click flies there, Space flies home, F flies by W A S D,\n"
+               "  H lists all keys; a file dropped on the window is opened.\n"
+               "A DEM shows a preview while its store is built.");
   add_terrain(*verb, flags->flight.terrain);
   add_method(*verb, flags->method);
   add_flight(*verb, flags->flight);

@@ -402,13 +402,17 @@ void Viewer::log_frame() {
   const Clock::time_point now = Clock::now();
   const double ms = shown_at_ == Clock::time_point() ? 0 : Seconds(now - shown_at_).count() * 1000;
   shown_at_ = now;
+  const std::clock_t cpu = std::clock();
+  const double cpu_ms = 1000.0 * static_cast<double>(cpu - cpu_at_) / CLOCKS_PER_SEC;
+  cpu_at_ = cpu;
   if (frames_at_rest_ <= kFramesToRest) {
     times_.add(static_cast<float>(ms));
   }
   if (log_) {
     const RefineStats& stats = shown_->refine_stats();
-    log_->add({Seconds(now - kProgramStart).count(), ms, shown_->preview() ? "preview" : "store",
-               shown_->method(), name_of(controls_->mode()), controls_->pose(), above_ground_,
+    log_->add({Seconds(now - kProgramStart).count(), ms, cpu_ms,
+               shown_->preview() ? "preview" : "store", shown_->method(),
+               name_of(controls_->mode()), controls_->pose(), above_ground_,
                window_.cursor().value_or(glm::dvec2(-1)), under_cursor_, frame_->width(),
                frame_->height(), stats.triangles, stats.late_blocks, stats.achieved_error_px});
   }

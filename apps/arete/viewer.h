@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <memory>
@@ -88,6 +89,7 @@ class Viewer {
   bool frozen_ = false, help_ = false;
   Notice notice_;
   std::chrono::steady_clock::time_point told_{}, shown_at_{};
+  std::clock_t cpu_at_ = 0;  ///< of the whole process when the last frame was on the screen
   int frames_shown_ = 0, frames_at_rest_ = 0;
 };
 

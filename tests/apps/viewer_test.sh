@@ -128,7 +128,7 @@ begin t.arete --size 640x480 --tolerance 4
 at 470 340
 cp mark home
 ! comes_true 'went() > 1' 3 || fail "the trace shows motion that was not there"
-head -n 3 trace.csv | tail -n 1 | awk -F, -v OFS=, '{ $7 += 5; print }' >mark
+head -n 3 trace.csv | tail -n 1 | awk -F, -v OFS=, '{ $8 += 5; print }' >mark
 ! holds 'still()' || fail "the check for a still camera takes a moved one for still"
 
 at 500 300
