@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "arete/core/error.h"
+
 #include "lod/built_terrain.h"
 #include "lod/recorded_terrain.h"
 
@@ -104,6 +106,59 @@ TEST(BintreePreprocess, ALoweredCodeIsCaught) {
     (trial % 2 == 0 ? record->delta : record->radius) -= 1;
     EXPECT_FALSE(find_faults(records, recorded, Delta::Exact).empty());
   }
+}
+
+BuildContext context_of(int threads, std::size_t memory_limit = std::size_t{1} << 30U) {
+  BuildContext context;
+  context.threads = threads;
+  context.memory_limit = memory_limit;
+  return context;
+}
+
+using Files = std::map<std::string, std::vector<char>>;
+
+Files files_of(const BuildContext& context) {
+  const RecordedTerrain recorded(hills(700, 560, 15, 3), {.log2_block = Groups::kMinLog2Block},
+                                 context);
+  return store::read_all_files(recorded.store());
+}
+
+TEST(BintreePreprocess, ThreadsAndMemoryDoNotChangeAByte) {
+  const Files files = files_of(context_of(1));
+  EXPECT_EQ(files_of(context_of(3)), files);
+  EXPECT_EQ(files_of(context_of(2, std::size_t{8} << 20U)), files);
+}
+
+// Each run is cancelled a few units further on.
+TEST(BintreePreprocess, ACancelledBuildGoesOnToTheSameBytes) {
+  const Files files = files_of(context_of(1));
+  const Heightfield dem = hills(700, 560, 15, 3);
+  store::TemporaryFolder folder;
+  int calls = 0;
+  int allowed = 3;
+  BuildContext context = context_of(1);
+  context.progress = [&](std::string_view step, double) {
+    return step != "bintree" || ++calls <= allowed;
+  };
+  store::BuildOptions options;
+  options.output = folder / "t.arete";
+  options.source_key = "test";
+  options.preprocess = [&](const store::Terrain& terrain, store::Writers& writers) {
+    write_records(terrain, writers, context, {.log2_block = Groups::kMinLog2Block});
+  };
+  int cancelled = 0;
+  for (bool done = false; !done; calls = 0, allowed += 4) {
+    Heightfield source = dem;
+    try {
+      store::build(source, options, context);
+      done = true;
+    } catch (const Error& error) {
+      ASSERT_EQ(error.code(), ErrorCode::Cancelled);
+      ++cancelled;
+    }
+  }
+  EXPECT_GT(cancelled, 1);
+  EXPECT_EQ(store::read_all_files(folder / "t.arete"), files);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <atomic>
 #include <csignal>
+#include <cstring>
 #include <fstream>
 #include <random>
 #include <thread>
@@ -229,6 +230,41 @@ TEST(Build, AnExistingStoreTakesMethodsOfTheSameHeightsOnly) {
   EXPECT_EQ(read_all_files(folder / "a.arete"), build_files({}));
   field[{0, 0}] += 40;
   EXPECT_THROW(build(field, options_for(folder / "a.arete"), {}), Error);
+}
+
+// Phase one holds numbers; each unit of the second adds up those of all of the first.
+TEST(Extend, UnitsOfALaterPhaseReadThoseOfEarlierOnes) {
+  TemporaryFolder folder;
+  Heightfield field = sample_field();
+  BuildOptions options = options_for(folder / "a.arete");
+  options.preprocess = [](const Terrain&, Writers& writers) {
+    SegmentPlan plan;
+    plan.name = "sums";
+    plan.units = 8;
+    plan.later_phases = {6};
+    plan.make = [](int unit, BlockSink& sink) {
+      std::uint64_t sum = unit < 6 ? static_cast<std::uint64_t>(unit) : 0;
+      for (int earlier = 0; unit >= 6 && earlier < 6; ++earlier) {
+        const std::uint64_t key = 10 * static_cast<std::uint64_t>(earlier);
+        sink.read_earlier(earlier, key, key + 1,
+                          [&](std::uint64_t, std::span<const std::byte> raw) {
+                            std::uint64_t number = 0;
+                            std::memcpy(&number, raw.data(), sizeof number);
+                            sum += number;
+                          });
+        sink.read_earlier(earlier, key + 1, key + 10,
+                          [](std::uint64_t, std::span<const std::byte>) { FAIL(); });
+      }
+      sink.add(10 * static_cast<std::uint64_t>(unit), std::as_bytes(std::span(&sum, 1)));
+    };
+    writers.write(plan);
+  };
+  build(field, options, {});
+  const auto terrain = Terrain::open(folder / "a.arete");
+  std::vector<std::byte> raw;
+  EXPECT_GT(terrain->read_block("sums", 70, raw), 0U);
+  EXPECT_EQ(raw[0], std::byte{15});
+  EXPECT_EQ(terrain->read_block("sums", 71, raw), 0U);
 }
 
 TEST(Extend, AddsSegmentsAndKeepsWhatIsThere) {

@@ -1,11 +1,14 @@
 #include "arete/store/file.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <string>
+#include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -45,9 +48,32 @@ class PosixFile : public File {
   std::string name_;
 };
 
-}  // namespace
+class MappedFile : public File {
+ public:
+  MappedFile(std::span<const std::byte> bytes, std::string name)
+      : bytes_(bytes), name_(std::move(name)) {}
+  ~MappedFile() override {
+    if (!bytes_.empty()) ::munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
+  }
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
 
-std::unique_ptr<File> open_file(const std::filesystem::path& path) {
+  std::uint64_t size() const override { return bytes_.size(); }
+
+  void read_at(std::uint64_t offset, std::span<std::byte> out) const override {
+    if (offset > bytes_.size() || out.size() > bytes_.size() - offset)
+      throw Error(ErrorCode::Corrupt,
+                  fmt::format("{}: ends at byte {}: rebuild the store", name_, bytes_.size()));
+    std::ranges::copy(bytes_.subspan(offset, out.size()), out.begin());
+  }
+
+ private:
+  std::span<const std::byte> bytes_;
+  std::string name_;
+};
+
+// The descriptor of a regular file and its size.
+std::pair<int, std::uint64_t> open_regular(const std::filesystem::path& path) {
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (fd < 0)
     throw Error(errno == ENOENT || errno == ENOTDIR ? ErrorCode::NotFound : ErrorCode::Io,
@@ -57,7 +83,26 @@ std::unique_ptr<File> open_file(const std::filesystem::path& path) {
     ::close(fd);
     throw Error(ErrorCode::Io, fmt::format("{}: not a regular file", path.string()));
   }
-  return std::make_unique<PosixFile>(fd, static_cast<std::uint64_t>(status.st_size), path.string());
+  return {fd, static_cast<std::uint64_t>(status.st_size)};
+}
+
+}  // namespace
+
+std::unique_ptr<File> open_file(const std::filesystem::path& path) {
+  const auto [fd, size] = open_regular(path);
+  return std::make_unique<PosixFile>(fd, size, path.string());
+}
+
+std::unique_ptr<File> map_file(const std::filesystem::path& path) {
+  const auto [fd, size] = open_regular(path);
+  void* at = size > 0 ? ::mmap(nullptr, size, PROT_READ, MAP_SHARED, fd, 0) : nullptr;
+  const int failure = errno;
+  ::close(fd);
+  if (at == MAP_FAILED)
+    throw Error(ErrorCode::Io,
+                fmt::format("{}: cannot map: {}", path.string(), std::strerror(failure)));
+  return std::make_unique<MappedFile>(std::span(static_cast<const std::byte*>(at), size),
+                                      path.string());
 }
 
 }  // namespace arete::store

@@ -184,10 +184,54 @@ class SquareRow {
   double a_ = 0, b_ = 0, c_ = 0, d_ = 0, m_ = 0;
 };
 
+// Squares of two cells hold one post that is no corner, and each of their sides another: no runs.
+class FinestRow {
+ public:
+  FinestRow(const RecordGrid& grid, const PostRows& posts, OwnDeltas& own)
+      : grid_(grid), posts_(posts), own_(own) {}
+
+  void raise(int row) {
+    const PostRect& rect = posts_.rect();
+    const PostRect& region = grid_.region();
+    row_ = row;
+    const bool odd_row = row % 2 != 0;
+    const int first = std::max(rect.col0, region.col0 + 1);
+    const int end = std::min(rect.col1, region.col1 - 1);
+    if (!odd_row) {
+      for (int c = first | 1; c < end; c += 2) raise(c, {-1, 0});
+      return;
+    }
+    if (row == region.row0 || row + 1 == region.row1) return;
+    for (int c = rect.col0 + (rect.col0 & 1); c < rect.col1; c += 2) raise(c, {0, -1});
+    // The diagonal that the middle halves (METHODS 1.2).
+    for (int c = first | 1; c < end; c += 2) raise(c, {(c / 2 + row / 2) % 2 == 0 ? -1 : 1, -1});
+  }
+
+ private:
+  // Half of the base edge leads from the post to one of its ends.
+  void raise(int col, Post half) {
+    const double a = grid_.count({col + half.col, row_ + half.row});
+    const double b = grid_.count({col - half.col, row_ - half.row});
+    const double gap = std::abs(posts_.row(row_)[col - posts_.rect().col0] - (a + b) / 2);
+    const double least = a != b ? kTrace : 0;
+    own_[grid_.index({col, row_})] = least < gap ? gap : least;
+  }
+
+  const RecordGrid& grid_;
+  const PostRows& posts_;
+  OwnDeltas& own_;
+  int row_ = 0;
+};
+
 }  // namespace
 
 void raise_exact(const RecordGrid& grid, const PostRows& posts, OwnDeltas& own) {
-  for (int level = 0; level < grid.levels(); ++level) {
+  const bool finest = grid.log2_spacing() == 0;
+  if (finest) {
+    FinestRow squares(grid, posts, own);
+    for (int row = posts.rect().row0; row < posts.rect().row1; ++row) squares.raise(row);
+  }
+  for (int level = finest ? 1 : 0; level < grid.levels(); ++level) {
     SquareRow squares(grid, posts, level, own);
     for (int row = posts.rect().row0; row < posts.rect().row1; ++row) squares.raise(row);
   }

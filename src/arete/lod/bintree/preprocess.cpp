@@ -10,6 +10,7 @@
 #include "arete/core/parallel.h"
 #include "arete/lod/bintree/bintree.h"
 #include "arete/lod/bintree/own_delta.h"
+#include "arete/lod/bintree/page_codec.h"
 #include "arete/lod/bintree/page_layout.h"
 #include "arete/lod/bintree/post_rows.h"
 #include "arete/lod/bintree/record_grid.h"
@@ -67,7 +68,7 @@ class UnitMaker {
     sink.read_earlier(
         unit, page_key(unit, first), page_key(unit, end),
         [&](std::uint64_t key, std::span<const std::byte> raw) {
-          copy_bytes(raw, std::as_writable_bytes(std::span(records)));
+          require(decode_page(raw, records));
           for_each_post(groups_.domain(), page_of_key(key), [&](std::size_t slot, Post post) {
             grid.set_finer({post.col >> grid.log2_spacing(), post.row >> grid.log2_spacing()},
                            records[slot]);
@@ -76,15 +77,15 @@ class UnitMaker {
     std::vector<Code> theirs(maxima.size());
     sink.read_earlier(unit, page_key(unit, kMaximaPage), page_key(unit, kMaximaPage) + 1,
                       [&](std::uint64_t, std::span<const std::byte> raw) {
-                        copy_bytes(raw, std::as_writable_bytes(std::span(theirs)));
+                        require(raw.size() == theirs.size() * sizeof(Code));
+                        std::ranges::copy(raw, std::as_writable_bytes(std::span(theirs)).begin());
                       });
     for (std::size_t i = 0; i < maxima.size(); ++i) maxima[i] = std::max(maxima[i], theirs[i]);
   }
 
-  static void copy_bytes(std::span<const std::byte> from, std::span<std::byte> to) {
-    if (from.size() != to.size())
+  static void require(bool whole) {
+    if (!whole)
       throw Error(ErrorCode::Corrupt, "bintree: a finished unit has another size: build again");
-    std::ranges::copy(from, to.begin());
   }
 
   OwnDeltas own_deltas(RecordGrid& grid) const {
@@ -140,15 +141,17 @@ class UnitMaker {
 
   void add_pages(const RecordGrid& grid, int unit, store::BlockSink& sink) const {
     std::vector<Record> records;
+    std::vector<std::byte> raw;
     for (const std::uint64_t page : groups_.pages(grid.block())) {
       records.assign(kPageRecords, {});
-      bool any = false;
       for_each_post(groups_.domain(), page, [&](std::size_t slot, Post post) {
-        const Post lattice{post.col >> grid.log2_spacing(), post.row >> grid.log2_spacing()};
-        records[slot] = grid.finished(lattice);
-        any = any || records[slot].radius != 0 || records[slot].count != 0;
+        records[slot] = grid[{post.col >> grid.log2_spacing(), post.row >> grid.log2_spacing()}];
       });
-      if (any) sink.add(page_key(unit, page), std::as_bytes(std::span(records)));
+      const bool any = std::ranges::any_of(
+          records, [](const Record& r) { return r.count != 0 || r.radius != 0; });
+      if (!any) continue;
+      encode_page(records, raw);
+      sink.add(page_key(unit, page), raw);
     }
   }
 
@@ -177,8 +180,8 @@ void write_records(const store::Terrain& terrain, store::Writers& writers,
   store::SegmentPlan plan;
   plan.name = bintree_segment(options.delta);
   plan.params =
-      fmt::format("bintree 1 {} block={}", options.delta == Delta::Exact ? "exact" : "incremental",
-                  1 << options.log2_block);
+      fmt::format("bintree-records 1 {} block={}",
+                  options.delta == Delta::Exact ? "exact" : "incremental", 1 << options.log2_block);
   plan.units = groups.units();
   plan.make = [&maker](int unit, store::BlockSink& sink) { maker.make(unit, sink); };
   for (int g = 1; g < groups.count(); ++g) plan.later_phases.push_back(groups.first_unit(g));

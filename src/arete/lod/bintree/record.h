@@ -32,12 +32,16 @@ inline Code code_up(double x) {
 /// share the base edge which the vertex bisects, while they are drawn whole: flat triangles through
 /// vertices rounded to float. It is at least the delta of every DAG child (saturated). With
 /// incremental deltas it is the paper's: the distance from the edge's midpoint, saturated.
-/// `radius`: value(radius) >= |v - c| + value(c.radius) for every DAG child c, distances in world
-/// metres: a sphere about the vertex that holds the spheres of all its descendants.
-/// The centre and the corners have both infinite. Vertices of no drawable post have delta 0 unless
-/// a child has more; those outside the grid and ghosts are all zero unless nesting needs more.
+///
+/// `radius`: value(radius) >= |v - c| + value(c.radius) for every DAG child c that has land,
+/// distances in world metres: a sphere about the vertex that holds those of all its descendants.
+///
+/// A vertex *has land* when it or a DAG descendant is a post of a drawable cell; then so have all
+/// its DAG ancestors. The records of the others are all zero: they are never refined, and no
+/// sphere has to hold them. The centre and the corners have both codes infinite, always.
 struct Record {
-  std::int32_t count = 0;  ///< lattice height, z = offset + quantum * count; of holes: filled
+  std::int32_t count = 0;  ///< lattice height, z = offset + quantum * count; of holes: filled;
+                           ///< beyond the grid: that of its edge
   Code delta = 0;
   Code radius = 0;
 };

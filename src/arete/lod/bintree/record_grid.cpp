@@ -30,11 +30,12 @@ class Parent {
     radius_ = std::max(radius_, distance + static_cast<double>(value(child.radius)));
     record_.delta = std::max(record_.delta, child.delta);
   }
-  void close() {
+  Code close() {
     if (radius_ > 0)
       record_.radius = code_up(radius_);
     else
       record_.delta = 0;
+    return record_.delta;
   }
 
  private:
@@ -100,14 +101,16 @@ void RecordGrid::nest(std::span<const double> own, double slack_m) {
   for (std::size_t i = 0; i < records_.size(); ++i)
     if (own[i] > 0) records_[i].delta = code_up(own[i] * quantum_m_ + slack_m);
   for (int level = 0; level < levels_; ++level) {
-    nest_black(1 << level);
-    nest_white(1 << level);
+    maxima_.push_back(nest_black(1 << level));
+    maxima_.push_back(nest_white(1 << level));
   }
+  finish();
 }
 
 // Midpoints of the sides of squares of 2 half: one coordinate is an odd multiple of half. Their
 // children are the middles of the squares of one half that touch them.
-void RecordGrid::nest_black(int half) {
+Code RecordGrid::nest_black(int half) {
+  Code greatest = 0;
   const auto children = steps(kDiagonals, std::ldexp(half, log2_spacing_ - 1));
   for (int r = first_at(region_.row0, half, 0); r < region_.row1; r += half) {
     const int odd = r / half % 2 == 0 ? half : 0;
@@ -115,15 +118,17 @@ void RecordGrid::nest_black(int half) {
       Record& record = records_[index({c, r})];
       if (half == 1 && finer_.empty()) {
         if (record.radius == kEmpty) record.delta = 0;
+        greatest = std::max(greatest, record.delta);
         continue;
       }
       Parent parent(record, quantum_m_);
       for (const Step& step : children)
         if (const Record* child = white_child({c, r}, step.direction, half))
           parent.add(*child, step.squared_m);
-      parent.close();
+      greatest = std::max(greatest, parent.close());
     }
   }
+  return greatest;
 }
 
 const Record* RecordGrid::white_child(Post p, Post direction, int half) const {
@@ -137,7 +142,8 @@ const Record* RecordGrid::white_child(Post p, Post direction, int half) const {
 }
 
 // Middles of squares of 2 half; their children are the midpoints of the four sides.
-void RecordGrid::nest_white(int half) {
+Code RecordGrid::nest_white(int half) {
+  Code greatest = 0;
   const auto children = steps(kAxes, std::ldexp(half, log2_spacing_));
   for (int r = first_at(region_.row0, 2 * half, half); r < region_.row1; r += 2 * half) {
     for (int c = first_at(region_.col0, 2 * half, half); c < region_.col1; c += 2 * half) {
@@ -146,32 +152,30 @@ void RecordGrid::nest_white(int half) {
         const Post child{c + step.direction.col * half, r + step.direction.row * half};
         if (holds(child)) parent.add(records_[index(child)], step.squared_m);
       }
-      parent.close();
+      greatest = std::max(greatest, parent.close());
     }
   }
+  return greatest;
 }
 
-Record RecordGrid::finished(Post lattice) const {
-  const Record& record = records_[index(lattice)];
-  const bool locked = lattice.col % (cells_ / 2) == 0 && lattice.row % (cells_ / 2) == 0 &&
-                      (lattice.col % cells_ == 0) == (lattice.row % cells_ == 0);
-  if (locked) return {record.count, kInfinite, kInfinite};
-  return record.radius == kEmpty ? Record{} : record;
+// The corners and the centre are drawn whatever lies below them, so they keep their heights.
+void RecordGrid::finish() {
+  const int n = cells_;
+  for (const Post locked : {Post{0, 0}, Post{n, 0}, Post{0, n}, Post{n, n}, Post{n / 2, n / 2}}) {
+    if (!holds(locked)) continue;
+    Record& record = records_[index(locked)];
+    record.delta = record.radius = kInfinite;
+  }
+  for (Record& record : records_)
+    if (record.radius == kEmpty) record = {};
 }
 
 void RecordGrid::raise_maxima(std::span<Code> delta_max_of_depth) const {
-  const int finest = static_cast<int>(delta_max_of_depth.size()) - 2 * log2_spacing_ - 1;
-  for (int level = 0; level < levels_; ++level) {
-    const int half = 1 << level;
-    Code& black = delta_max_of_depth[static_cast<std::size_t>(finest - 2 * level)];
-    Code& white = delta_max_of_depth[static_cast<std::size_t>(finest - 2 * level - 1)];
-    for (int r = first_at(region_.row0, half, 0); r < region_.row1; r += half) {
-      for (int c = first_at(region_.col0, half, 0); c < region_.col1; c += half) {
-        const int odd = (c / half & 1) + (r / half & 1);
-        Code& depth = odd == 1 ? black : white;
-        if (odd > 0) depth = std::max(depth, records_[index({c, r})].delta);
-      }
-    }
+  auto depth =
+      static_cast<std::size_t>(static_cast<int>(delta_max_of_depth.size()) - 2 * log2_spacing_);
+  for (const Code greatest : maxima_) {
+    --depth;
+    delta_max_of_depth[depth] = std::max(delta_max_of_depth[depth], greatest);
   }
 }
 

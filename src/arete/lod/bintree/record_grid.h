@@ -27,6 +27,7 @@ class RecordGrid {
     return p.col >= region_.col0 && p.col < region_.col1 && p.row >= region_.row0 &&
            p.row < region_.row1;
   }
+  /// Place of a post among those of the region, row-major.
   std::size_t index(Post lattice) const {
     return static_cast<std::size_t>(lattice.row - region_.row0) * width_ +
            static_cast<std::size_t>(lattice.col - region_.col0);
@@ -43,16 +44,17 @@ class RecordGrid {
   /// counts, 0 where none of their triangles can be drawn wrongly; `slack_m` is added to the
   /// others.
   void nest(std::span<const double> own, double slack_m);
-  /// The finished record; zero for a vertex without a drawable post below it.
-  Record finished(Post lattice) const;
-  /// Largest finite delta of each depth in the region.
+  /// The record, zero for a vertex without a drawable post below it; after nest().
+  const Record& operator[](Post lattice) const { return records_[index(lattice)]; }
+  /// Raises the largest delta of each depth by those of the region; after nest().
   void raise_maxima(std::span<Code> delta_max_of_depth) const;
 
  private:
   struct Step;
   std::array<Step, 4> steps(std::span<const Post> offsets, double unit) const;
-  void nest_black(int half);
-  void nest_white(int half);
+  Code nest_black(int half);
+  Code nest_white(int half);
+  void finish();
   const Record* white_child(Post p, Post direction, int half) const;
 
   BlockId block_;
@@ -62,6 +64,7 @@ class RecordGrid {
   double quantum_m_;
   Affine2 world_from_post_;
   std::vector<Record> records_;
+  std::vector<Code> maxima_;   ///< white and black of each level, finest first
   std::vector<Record> finer_;  ///< (width - 1) a row; empty in the finest group
 };
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "arete/core/error.h"
+#include "arete/lod/bintree/page_codec.h"
 #include "arete/lod/bintree/page_layout.h"
 
 namespace arete::lod::bintree {
@@ -136,9 +137,7 @@ std::size_t RecordPages::read_page(std::size_t key, Record* to) const {
   try {
     thread_local std::vector<std::byte> raw;
     const std::size_t bytes = terrain_.read_block(segment_, keys_[key], raw);
-    if (raw.size() != kRecordPageBytes) return 0;
-    std::memcpy(to, raw.data(), kRecordPageBytes);
-    return bytes;
+    return decode_page(raw, {to, kPageRecords}) ? bytes : 0;
   } catch (const std::exception&) {
     return 0;
   }

@@ -1,0 +1,235 @@
+#include <chrono>
+#include <cstring>
+#include <random>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "arete/core/error.h"
+#include "arete/lod/bintree/page_codec.h"
+#include "arete/lod/bintree/page_layout.h"
+#include "arete/lod/bintree/record_pages.h"
+
+#include "lod/recorded_terrain.h"
+#include "store/memory_file.h"
+
+namespace arete::lod::bintree {
+namespace {
+
+const RecordedTerrain& recorded() {
+  static const RecordedTerrain kRecorded(store::make_hills(300, 200, 21));
+  return kRecorded;
+}
+
+std::vector<VertexIndex> some_vertices(const Domain& domain, std::size_t n) {
+  std::mt19937 random(22);
+  std::vector<VertexIndex> vertices;
+  for (std::size_t i = 0; i < n; ++i)
+    vertices.push_back(
+        domain.index_of({static_cast<int>(random() % 300), static_cast<int>(random() % 200)}));
+  return vertices;
+}
+
+bool same(const Record& a, const Record& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+// Begins frames until the page is there, or some seconds have passed.
+const Record* await(RecordPages& pages, VertexIndex index) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (std::chrono::steady_clock::now() < end) {
+    pages.begin_frame();
+    if (const Record* record = pages.find(index, OnMissing::Defer)) return record;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return nullptr;
+}
+
+TEST(BintreePages, CodecIsLossless) {
+  std::mt19937 random(23);
+  std::vector<Record> records(kPageRecords);
+  for (Record& r : records)
+    r = {static_cast<std::int32_t>(random()), static_cast<Code>(random()),
+         static_cast<Code>(random())};
+  records[7].count = std::numeric_limits<std::int32_t>::min();
+  records[8].count = std::numeric_limits<std::int32_t>::max();
+  std::vector<std::byte> raw;
+  encode_page(records, raw);
+  std::vector<Record> back(kPageRecords);
+  ASSERT_TRUE(decode_page(raw, back));
+  for (std::size_t i = 0; i < kPageRecords; ++i) ASSERT_TRUE(same(records[i], back[i])) << i;
+  raw.pop_back();
+  EXPECT_FALSE(decode_page(raw, back));
+}
+
+TEST(BintreePages, EveryPostStandsOnItsPage) {
+  for (int k = 1; k <= 7; ++k) {
+    const Domain domain(k);
+    std::size_t met = 0;
+    for (std::uint64_t page = 0; page << kLog2PageRecords < domain.index_end(); ++page)
+      for_each_post(domain, page, [&](std::size_t slot, Post post) {
+        ++met;
+        ASSERT_EQ(domain.index_of(post), (page << kLog2PageRecords) + slot);
+      });
+    EXPECT_EQ(met, static_cast<std::size_t>(domain.side() + 1) *
+                       static_cast<std::size_t>(domain.side() + 1));
+  }
+}
+
+TEST(BintreePages, ASmallBudgetGivesTheSameRecordsAndIsKept) {
+  RecordPages all(recorded().terrain(), {.prefetch = Prefetch::Off});
+  RecordPages few(recorded().terrain(),
+                  {.budget_bytes = 3 * kRecordPageBytes, .prefetch = Prefetch::Off});
+  for (const VertexIndex v : some_vertices(all.domain(), 3000)) {
+    few.begin_frame();
+    ASSERT_TRUE(same(*few.find(v, OnMissing::Wait), *all.find(v, OnMissing::Wait)));
+    ASSERT_LE(few.counts().resident_bytes_max, 3 * kRecordPageBytes);
+  }
+  EXPECT_GT(few.counts().bytes_read, all.counts().bytes_read);
+  EXPECT_GT(all.counts().resident_bytes, 3 * kRecordPageBytes);
+}
+
+TEST(BintreePages, PagesOfTheFrameStayAndAFullBudgetGivesNull) {
+  RecordPages pages(recorded().terrain(),
+                    {.budget_bytes = 4 * kRecordPageBytes, .prefetch = Prefetch::Off});
+  pages.begin_frame();
+  std::vector<std::pair<const Record*, Record>> seen;
+  std::uint64_t late = 0;
+  for (const VertexIndex v : some_vertices(pages.domain(), 500)) {
+    const Record* record = pages.find(v, OnMissing::Wait);
+    if (record == nullptr)
+      ++late;
+    else
+      seen.emplace_back(record, *record);
+  }
+  EXPECT_EQ(pages.counts().touched, 4U);
+  EXPECT_EQ(pages.counts().faults, 4U);
+  EXPECT_GT(late, 0U);
+  EXPECT_EQ(pages.counts().late, late);
+  for (const auto& [record, was] : seen) EXPECT_TRUE(same(*record, was));
+  pages.begin_frame();
+  EXPECT_NE(pages.find(some_vertices(pages.domain(), 500).back(), OnMissing::Wait), nullptr);
+}
+
+TEST(BintreePages, ADeferredPageComesInAtALaterFrame) {
+  RecordPages pages(recorded().terrain(), {});
+  const VertexIndex v = pages.domain().index_of({131, 57});
+  EXPECT_EQ(pages.find(v, OnMissing::Defer), nullptr);
+  EXPECT_EQ(pages.counts().late, 1U);
+  const Record* record = await(pages, v);
+  ASSERT_NE(record, nullptr);
+  EXPECT_EQ(recorded().terrain().z_of(record->count), (recorded().dem()[{131, 57}]));
+  EXPECT_EQ(pages.counts().prefetched, 1U);
+}
+
+TEST(BintreePages, PrefetchedPagesNeedNoFault) {
+  RecordPages pages(recorded().terrain(), {});
+  const VertexIndex v = pages.domain().index_of({77, 99});
+  const std::vector<std::uint64_t> wanted{RecordPages::page_of(v)};
+  pages.prefetch(wanted);
+  ASSERT_NE(await(pages, v), nullptr);
+  EXPECT_EQ(pages.counts().faults, 0U);
+  RecordPages alone(recorded().terrain(), {.prefetch = Prefetch::Off});
+  alone.prefetch(wanted);
+  alone.begin_frame();
+  EXPECT_EQ(alone.find(v, OnMissing::Defer), nullptr);
+}
+
+TEST(BintreePages, ManyRequestsUnderASmallBudgetLoseNoPage) {
+  RecordPages pages(recorded().terrain(), {.budget_bytes = 16 * kRecordPageBytes});
+  RecordPages all(recorded().terrain(), {.prefetch = Prefetch::Off});
+  const auto vertices = some_vertices(pages.domain(), 4000);
+  std::mt19937 random(24);
+  for (std::size_t i = 0; i + 8 < vertices.size(); i += 8) {
+    pages.begin_frame();
+    std::vector<std::uint64_t> wanted;
+    for (std::size_t k = 0; k < 8; ++k) wanted.push_back(RecordPages::page_of(vertices[i + k]));
+    if (random() % 2 == 0) pages.prefetch(wanted);
+    for (std::size_t k = 0; k < 8; ++k) {
+      const auto how = random() % 3 == 0 ? OnMissing::Defer : OnMissing::Wait;
+      const Record* record = pages.find(vertices[i + k], how);
+      ASSERT_TRUE(record != nullptr || how == OnMissing::Defer);
+      const Record* expected = all.find(vertices[i + k], OnMissing::Wait);
+      ASSERT_TRUE(record == nullptr || same(*record, *expected));
+    }
+    ASSERT_LE(pages.counts().resident_bytes_max, 16 * kRecordPageBytes);
+  }
+}
+
+TEST(BintreePages, ADamagedPageIsNullAndTheOthersAreThere) {
+  const auto files = store::read_all_files(recorded().store());
+  store::OpenOptions options;
+  const auto fail_from = std::make_shared<std::atomic<std::uint64_t>>(~std::uint64_t{0});
+  options.open = [&](const std::filesystem::path& path) -> std::unique_ptr<store::File> {
+    auto file = std::make_unique<store::MemoryFile>(files.at(path.filename().string()));
+    if (path.filename() == "bintree.seg") file->fail_from = fail_from;
+    return file;
+  };
+  const auto terrain = store::Terrain::open(recorded().store(), options);
+  RecordPages pages(*terrain, {.prefetch = Prefetch::Off});
+  *fail_from = 20000;
+  std::uint64_t lost = 0;
+  std::uint64_t found = 0;
+  for (const VertexIndex v : some_vertices(pages.domain(), 500))
+    ++(pages.find(v, OnMissing::Wait) == nullptr ? lost : found);
+  EXPECT_GT(lost, 0U);
+  EXPECT_GT(found, 0U);
+  EXPECT_EQ(pages.counts().late, lost);
+  EXPECT_GT(pages.counts().damaged, 0U);
+  EXPECT_LT(pages.counts().damaged, lost);
+}
+
+TEST(BintreePages, PagesWithoutLandAreNotStoredAndReadAsZero) {
+  const RecordedTerrain strip(store::make_hills(600, 3, 25));
+  RecordPages pages(strip.terrain(), {.prefetch = Prefetch::Off});
+  const Record* record = pages.find(pages.domain().index_of({301, 701}), OnMissing::Wait);
+  ASSERT_NE(record, nullptr);
+  EXPECT_TRUE(same(*record, Record{}));
+  EXPECT_EQ(pages.counts().touched, 0U);
+  EXPECT_LT(strip.terrain().keys("bintree").size(), 200U);
+}
+
+TEST(BintreePages, KnowsTheLargestDeltaOfEachDepth) {
+  const RecordedTerrain cut(store::make_hills(300, 280, 26), {.log2_block = Groups::kMinLog2Block});
+  RecordPages pages(cut.terrain(), {});
+  AllRecords records(cut.terrain(), Delta::Exact);
+  const Domain& domain = pages.domain();
+  std::vector<double> most(static_cast<std::size_t>(domain.depths()), 0.0);
+  for (int r = 0; r <= domain.side(); ++r) {
+    for (int c = 0; c <= domain.side(); ++c) {
+      const int depth = Domain::depth_of(domain.index_of({c, r}));
+      if (depth > 0) {
+        double& at = most[static_cast<std::size_t>(depth)];
+        at = std::max<double>(at, value(records[{c, r}].delta));
+      }
+    }
+  }
+  for (int depth = 1; depth < domain.depths(); ++depth)
+    EXPECT_EQ(pages.delta_max(depth), most[static_cast<std::size_t>(depth)]) << depth;
+}
+
+TEST(BintreePages, AMappedSegmentGivesTheSame) {
+  store::OpenOptions options;
+  options.open = store::map_file;
+  const auto terrain = store::Terrain::open(recorded().store(), options);
+  RecordPages mapped(*terrain, {});
+  RecordPages read(recorded().terrain(), {});
+  for (const VertexIndex v : some_vertices(read.domain(), 500))
+    ASSERT_TRUE(same(*mapped.find(v, OnMissing::Wait), *read.find(v, OnMissing::Wait)));
+}
+
+TEST(BintreePages, AStoreWithoutRecordsSaysHowToAddThem) {
+  store::TemporaryFolder folder;
+  Heightfield dem = store::make_hills(20, 20, 1);
+  const auto terrain = store::Terrain::open(store::build_store(folder, dem));
+  try {
+    const RecordPages pages(*terrain, {});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::NotFound);
+    EXPECT_NE(std::string(error.what()).find("--methods"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace arete::lod::bintree
