@@ -1,9 +1,7 @@
 #pragma once
 
 #include <bit>
-#include <cmath>
 #include <cstdint>
-#include <limits>
 
 namespace arete::lod::bintree {
 
@@ -19,11 +17,10 @@ inline float value(Code code) {
 
 /// The least code whose value is at least x; at most 2^-8 of x above it. Requires: x >= 0.
 inline Code code_up(double x) {
-  auto rounded = static_cast<float>(x);
-  if (static_cast<double>(rounded) < x)
-    rounded = std::nextafter(rounded, std::numeric_limits<float>::infinity());
-  constexpr std::uint32_t kBelow = (1U << 15U) - 1;
-  return static_cast<Code>((std::bit_cast<std::uint32_t>(rounded) + kBelow) >> 15U);
+  const auto nearest = static_cast<float>(x);
+  const std::uint32_t below = static_cast<double>(nearest) < x ? 1 : 0;
+  constexpr std::uint32_t kRoundUp = (1U << 15U) - 1;
+  return static_cast<Code>((std::bit_cast<std::uint32_t>(nearest) + below + kRoundUp) >> 15U);
 }
 
 /// What is stored of a vertex.
