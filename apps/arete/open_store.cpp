@@ -171,9 +171,14 @@ std::optional<fs::path> ready_store(const TerrainFlags& flags,
   return store;
 }
 
+std::size_t tile_bytes(Bytes cache) {
+  return cache.count / 4;
+}
+
 std::unique_ptr<store::Terrain> open_store(const TerrainFlags& flags, const fs::path& store) {
   store::OpenOptions options;
-  options.cache_bytes = flags.cache.count;
+  options.cache_bytes = tile_bytes(flags.cache);
+  options.prefetch = flags.prefetch;
   return store::Terrain::open(store, options);
 }
 
