@@ -45,7 +45,8 @@ class BudgetFlight : public testing::TestWithParam<std::string_view> {
     open.cache_bytes = kTileBytes;
     open.prefetch = prefetch;
     const auto opened = terrain_->open(open);
-    const auto engine = find_engine(GetParam()).open(*opened, {{"patch", "33"}});
+    const auto engine =
+        find_engine(GetParam()).open(*opened, params_for(GetParam(), {{"patch", "33"}}));
     require_room(engine->footprint(), budget, "t");
     RefineOptions options{.on_missing = OnMissing::Defer, .budget = budget};
     DrawList list;
@@ -75,7 +76,8 @@ TEST_P(BudgetFlight, NeverHoldsMoreThanItMay) {
   const auto heights = std::uint64_t{4} * kPosts * kPosts;
   EXPECT_GE(heights * 4 / 3, 4 * (kTileBytes + budget.vertex_bytes));
   const Flown with = fly(kFrames, true, budget);
-  EXPECT_GT(with.capped, 0U);  // the control: the caps did bind
+  EXPECT_GT(with.capped, 0U);                                     // the control: the caps did bind
+  if (params_for(GetParam(), {{"patch", "33"}}).empty()) return;  // it reads no tiles
   const Flown without = fly(kFrames / 4, false, budget);
   EXPECT_GT(4 * without.late, 2 * with.late);  // it flew a quarter as far
 }
