@@ -35,7 +35,8 @@ std::filesystem::path store_of(const TerrainFlags& flags, const std::vector<std:
 std::optional<std::filesystem::path> ready_store(const TerrainFlags& flags,
                                                  const std::vector<std::string>& methods);
 
-/// What of --cache holds decoded tiles; the rest is for tables and vertices.
+/// What of --cache holds decoded tiles, and as much again the pages of methods that have their own;
+/// the rest is for tables and vertices.
 std::size_t tile_bytes(Bytes cache);
 
 /// Opens a store with the cache budget.
