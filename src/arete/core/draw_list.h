@@ -46,6 +46,8 @@ struct RefineStats {
   std::uint64_t evaluated_vertices = 0;  ///< errors projected
   std::uint64_t culled = 0;              ///< tiles or subtrees found outside the frustum
   std::uint64_t late_blocks = 0;         ///< wanted but drawn coarser: missing, damaged or deferred
+  std::uint64_t pages_touched = 0;       ///< record pages looked into (bin-trees)
+  std::uint64_t pages_read = 0;          ///< of those, read in this frame, which waited for them
   std::uint64_t built_blocks = 0;        ///< vertex blocks made in this frame
   std::uint64_t bytes_built = 0;         ///< bytes of those blocks: what a renderer must upload
   std::uint64_t resident_bytes = 0;      ///< vertex blocks that the engine holds

@@ -47,14 +47,10 @@ bool BlockArena::allocate(std::uint64_t bytes) {
 }
 
 void BlockArena::begin_frame() {
-  give_streams();
-  bytes_uploaded_ = 0;
-  ++frame_;
-}
-
-void BlockArena::give_streams() {
   for (const Stream& s : streams_) allocator_.give(s.first, s.granules);
   streams_.clear();
+  bytes_uploaded_ = 0;
+  ++frame_;
 }
 
 std::optional<std::uint64_t> BlockArena::find(const BlockName& name) {
@@ -74,7 +70,7 @@ std::optional<std::uint64_t> BlockArena::add(const BlockName& name,
   std::optional<std::uint64_t> first = allocator_.take(granules);
   while (!first && make_room(granules)) first = allocator_.take(granules);
   if (!first) return std::nullopt;
-  blocks_.push_back({name, *first, granules, frame_});
+  blocks_.push_back({name, *first, granules, frame_, bytes.size()});
   by_name_.emplace(name, std::prev(blocks_.end()));
   write(*first * kGranule, bytes);
   return *first * kGranule;
@@ -88,7 +84,9 @@ void BlockArena::update(const BlockName& name, std::span<const std::byte> bytes,
   if (granules_of(bytes.size()) > block->granules) {
     drop(block);
   } else if (first + count <= bytes.size()) {
-    write(block->first * kGranule + first, bytes.subspan(first, count));
+    const std::uint64_t from = std::min(first, block->bytes);
+    write(block->first * kGranule + from, bytes.subspan(from, first + count - from));
+    block->bytes = std::max(block->bytes, first + count);
   }
 }
 
@@ -115,11 +113,6 @@ void BlockArena::forget(const BlockSource* source) {
     if (source == nullptr || block->name.source == source) drop(block);
     block = next;
   }
-}
-
-void BlockArena::clear() {
-  forget(nullptr);
-  give_streams();
 }
 
 bool BlockArena::make_room(std::uint64_t granules) {

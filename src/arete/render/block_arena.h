@@ -41,8 +41,9 @@ class BlockArena {
   /// Empty when it does not fit. Requires: not held.
   std::optional<std::uint64_t> add(const BlockName& name, std::span<const std::byte> bytes,
                                    std::uint64_t spare = 0);
-  /// Uploads bytes [first, first + count) of a held block's new contents. A block that outgrew its
-  /// room is dropped, to be added again. Does nothing when it is not held.
+  /// Uploads bytes [first, first + count) of a held block's new contents, and whatever was appended
+  /// before them in frames that were not drawn. A block that outgrew its room is dropped, to be
+  /// added again. Does nothing when it is not held.
   void update(const BlockName& name, std::span<const std::byte> bytes, std::uint64_t first,
               std::uint64_t count);
   /// Room for this frame only, aligned to `alignment` bytes; empty when it does not fit.
@@ -50,12 +51,9 @@ class BlockArena {
   void write(std::uint64_t offset, std::span<const std::byte> bytes);
   /// Drops every block of the source, or all when it is null.
   void forget(const BlockSource* source);
-  /// Drops everything, the frame's streams too: what is added next lies without gaps.
-  void clear();
 
   GLuint buffer() const { return buffer_.get(); }
   std::uint64_t capacity() const { return allocator_.size() * kGranule; }
-  std::uint64_t cap() const { return cap_granules_ * kGranule; }
   std::uint64_t bytes_held() const { return allocator_.taken() * kGranule; }
   std::uint64_t bytes_uploaded() const { return bytes_uploaded_; }  ///< since begin_frame
 
@@ -64,6 +62,7 @@ class BlockArena {
     BlockName name;
     std::uint64_t first, granules;
     std::uint64_t frame;  // last use
+    std::uint64_t bytes;  // uploaded
   };
   struct NameHash {
     std::size_t operator()(const BlockName& n) const;
@@ -77,7 +76,6 @@ class BlockArena {
   bool grow(std::uint64_t granules);
   bool evict_oldest();
   void drop(Blocks::iterator block);
-  void give_streams();
   bool allocate(std::uint64_t bytes);
 
   std::uint64_t cap_granules_;

@@ -58,7 +58,8 @@ void BinTree::visit(std::uint32_t node, const Triangle& t, Before before) {
   if (there && vertices_.live(n.vertex).active()) {
     draw_halves(node, t, before);
   } else {
-    draw_whole(n, t, !there);
+    draw_whole(n, t, before);
+    if (!there) mark_late(n, t);
   }
 }
 
@@ -72,8 +73,9 @@ bool BinTree::find_status(Node& node, const Triangle& t) {
   LiveVertex& vertex = vertices_.live(node.vertex);
   const bool dead = !alive(frame_->odometer.now(), vertex.until);
   // "If v's bounding sphere overlaps the view volume and d_tau is not negative, d_c is
-  // re-evaluated" [BaoPajarolaShafae2004, Figure 6], by the flags from before the rotation.
-  const bool doubted = frame_->figure_6 && vertex.selected && vertex.visible;
+  // re-evaluated [...] when v is not completely within" [BaoPajarolaShafae2004, 4.4 and Figure 6]:
+  // by the flags from before the rotation.
+  const bool doubted = frame_->figure_6 && vertex.selected && vertex.visible && !vertex.inside;
   if (dead || doubted) {
     evaluate(node.vertex);
     // A vertex without all its ancestors counts as missing.
@@ -92,34 +94,48 @@ void BinTree::evaluate(std::uint32_t slot) {
   if (vertex.selected && !vertex.visible) ++findings_.culled;
 }
 
-void BinTree::draw_whole(Node& node, const Triangle& t, bool late) {
-  // Triangles of odd depth are wound counter-clockwise (vertex_index.h); depths are even in number.
-  const bool turn = (t.levels & 1) == 0;
-  indices_.triangle(t.apex, turn ? t.right : t.left, turn ? t.left : t.right);
+void BinTree::draw_whole(Node& node, const Triangle& t, Before before) {
+  if (before.drawn && !node.halved) {
+    indices_.copy(before.at, 3);  // as it was: the stretch goes on
+  } else {
+    // Triangles of odd depth are wound counter-clockwise (vertex_index.h), and depths are even in
+    // number.
+    const bool turn = (t.levels & 1) == 0;
+    indices_.triangle(t.apex, turn ? t.right : t.left, turn ? t.left : t.right);
+  }
   node.indices = 3;
   node.halved = false;
-  if (late) {
-    count_late(t);
-    node.until = {};
-    node.delta = 0;
-    return;
-  }
+  if (node.vertex == VertexArray::kNone) return;
   const LiveVertex& vertex = vertices_.live(node.vertex);
   node.until = vertex.until;
   node.delta = vertex.record.delta;
 }
 
+void BinTree::mark_late(Node& node, const Triangle& t) {
+  node.until = {};
+  node.delta = 0;
+  findings_.add_late(frame_->rule, vertices_.ball(t.apex),
+                     ground_.pages().delta_max(ground_.domain().depths() - t.levels));
+}
+
+// The halves of the last bisection have no vertices to look at.
+void BinTree::draw_last_halves(Node& node, const Triangle& t, Before before) {
+  if (before.drawn && node.halved) {
+    indices_.copy(before.at, 6);
+  } else {
+    indices_.triangle(node.vertex, t.apex, t.left);
+    indices_.triangle(node.vertex, t.right, t.apex);
+  }
+  node.until = vertices_.live(node.vertex).until;
+  node.indices = 6;
+  node.delta = 0;
+  node.halved = true;
+}
+
 void BinTree::draw_halves(std::uint32_t node, const Triangle& t, Before before) {
+  if (t.levels == 1) return draw_last_halves(nodes_[node], t, before);
   const std::uint32_t middle = nodes_[node].vertex;
   const Ticks own = vertices_.live(middle).until;
-  if (t.levels == 1) {
-    indices_.triangle(middle, t.apex, t.left);
-    indices_.triangle(middle, t.right, t.apex);
-    Node& n = nodes_[node];
-    n = {
-        .child = n.child, .vertex = middle, .until = own, .indices = 6, .delta = 0, .halved = true};
-    return;
-  }
   const std::uint32_t child = children_of(node);
   const bool drawn = before.drawn && nodes_[node].halved;
   const std::uint32_t right_at = before.at + nodes_[child].indices;
@@ -142,11 +158,6 @@ std::uint32_t BinTree::children_of(std::uint32_t node) {
     nodes_.resize(nodes_.size() + 2);
   }
   return nodes_[node].child;
-}
-
-void BinTree::count_late(const Triangle& t) {
-  findings_.add_late(frame_->rule, vertices_.ball(t.apex),
-                     ground_.pages().delta_max(ground_.domain().depths() - t.levels));
 }
 
 void BinTree::collect() {

@@ -71,10 +71,11 @@ class BinTree {
 
   void visit(std::uint32_t node, const Triangle& t, Before before);
   bool find_status(Node& node, const Triangle& t);
-  void draw_whole(Node& node, const Triangle& t, bool late);
+  void draw_whole(Node& node, const Triangle& t, Before before);
+  void draw_last_halves(Node& node, const Triangle& t, Before before);
+  void mark_late(Node& node, const Triangle& t);
   void draw_halves(std::uint32_t node, const Triangle& t, Before before);
   void evaluate(std::uint32_t slot);
-  void count_late(const Triangle& t);
   std::uint32_t children_of(std::uint32_t node);
   void keep_subtree(std::uint32_t from, std::uint32_t to, VertexIndex p, VertexIndex g);
   Triangle root(std::size_t i) const;

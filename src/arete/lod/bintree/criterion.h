@@ -41,13 +41,9 @@ class Criterion {
   /// Radius of the tau-sphere about the vertex: nu delta + r [BaoPajarolaShafae2004, eq. 5].
   double reach(const Ball& ball) const { return nu_ * ball.delta + ball.radius; }
 
-  /// False when the ball lies outside one of the frustum's planes.
-  bool visible(const Ball& ball) const {
-    unsigned none = 0;
-    return visible(ball, none);
-  }
-  /// The same, bit by bit, for a ball within balls that lie inside the planes of bits `inside`,
-  /// which are not looked at again; adds the planes that this ball lies inside.
+  /// False when the ball lies outside one of the frustum's planes. Those of bits `inside`, which
+  /// balls around it lie inside, are not looked at again: that changes no answer. Adds the planes
+  /// that this ball lies inside.
   bool visible(const Ball& ball, unsigned& inside) const {
     if (inside == kAllInside) return true;
     const double surely = ball.radius + slack(ball);
@@ -59,11 +55,11 @@ class Criterion {
     }
     return true;
   }
-  /// d_c of [BaoPajarolaShafae2004, eq. 8]: how far the planes must move before visible() turns.
-  double margin(const Ball& ball) const {
+  /// Least height of the centre over the planes: visible() where it is not below -radius.
+  double lowest(const Ball& ball) const {
     double least = height(ball.centre, 0);
     for (unsigned i = 1; i < kPlanes; ++i) least = std::min(least, height(ball.centre, i));
-    return least + ball.radius;
+    return least;
   }
   /// More than the rounding of any test of the ball.
   static double slack(const Ball& ball) {

@@ -25,20 +25,20 @@ Allowance least(const Allowance& a, const Allowance& b) {
 // |d(d_tau)| <= |dP| + delta |dnu| [METHODS 8.6]. Deviation: with the vertex's own delta, where
 // 8.6 has a clock a depth with the largest delta there.
 Allowance Evaluation::selection_allowance(const Ball& ball, double distance) const {
-  if (ball.delta <= criterion_.floor_m()) return {kNever, kNever, kNever};
   const double reach = criterion_.reach(ball);
+  if (ball.delta <= criterion_.floor_m() || std::isinf(reach)) return {kNever, kNever, kNever};
   const double gap =
       std::abs(reach - distance) - Criterion::slack(ball) - 1e-9 * (distance + reach);
-  if (std::isinf(gap)) return {kNever, kNever, kNever};
   const Allowance& rates = odometer_.rates();
   const double part = share(rates[Move], ball.delta * rates[Scale]);
   return {part * gap, (1 - part) * gap / ball.delta, kNever};
 }
 
-// A plane's distance changes by at most |dP| + |P - v| dtheta [METHODS 8.5b].
-Allowance Evaluation::culling_allowance(const Ball& ball, double distance) const {
+// d_c = min (r - d_i) [BaoPajarolaShafae2004, eq. 8]; a plane's distance changes by at most
+// |dP| + |P - v| dtheta [METHODS 8.5b].
+Allowance Evaluation::culling_allowance(const Ball& ball, double margin, double distance) const {
   if (!options_.culling) return {kNever, kNever, kNever};
-  const double gap = std::abs(criterion_.margin(ball)) - Criterion::slack(ball) - 1e-9 * distance;
+  const double gap = std::abs(margin) - Criterion::slack(ball) - 1e-9 * distance;
   const Allowance& rates = odometer_.rates();
   const double part = share(rates[Move], distance * rates[Turn]);
   return {part * gap, kNever, (1 - part) * gap / (distance + std::max(part * gap, 0.0))};
@@ -54,27 +54,27 @@ double Evaluation::frames(const Allowance& allowance) const {
   return least;
 }
 
-void Evaluation::operator()(const Ball& ball, LiveVertex& vertex) const {
+// An active status needs both parts, any other one that fails [METHODS 8.4].
+Allowance Evaluation::allowance(const Ball& ball, const LiveVertex& vertex, double margin) const {
   const double distance = glm::length(ball.centre - criterion_.eye());
-  vertex.selected = criterion_.selected(ball);
-  vertex.visible = !options_.culling || criterion_.visible(ball);
-  const Allowance selection = selection_allowance(ball, distance);
-  const Allowance culling = culling_allowance(ball, distance);
-  Allowance lasts;
   if (options_.safe == SafeDistance::Least) {
-    lasts = {std::min(std::abs(criterion_.reach(ball) - distance),
-                      options_.culling ? std::abs(criterion_.margin(ball)) : kNever),
-             kNever, kNever};
-  } else if (vertex.selected && vertex.visible) {
-    lasts = least(selection, culling);
-  } else if (vertex.selected) {
-    lasts = culling;
-  } else if (vertex.visible) {
-    lasts = selection;
-  } else {
-    lasts = frames(selection) > frames(culling) ? selection : culling;
+    const double planes = options_.culling ? std::abs(margin) : kNever;
+    return {std::min(std::abs(criterion_.reach(ball) - distance), planes), kNever, kNever};
   }
-  vertex.until = odometer_.until(lasts);
+  if (!vertex.selected && vertex.visible) return selection_allowance(ball, distance);
+  const Allowance culling = culling_allowance(ball, margin, distance);
+  if (vertex.selected && !vertex.visible) return culling;
+  const Allowance selection = selection_allowance(ball, distance);
+  if (vertex.selected) return least(selection, culling);
+  return frames(selection) > frames(culling) ? selection : culling;
+}
+
+void Evaluation::operator()(const Ball& ball, LiveVertex& vertex) const {
+  const double lowest = options_.culling ? criterion_.lowest(ball) : kNever;
+  vertex.selected = criterion_.selected(ball);
+  vertex.visible = !(lowest < -ball.radius);
+  vertex.inside = lowest >= ball.radius;
+  vertex.until = odometer_.until(allowance(ball, vertex, lowest + ball.radius));
 }
 
 }  // namespace arete::lod::bintree

@@ -13,6 +13,7 @@ struct LiveVertex {
   Ticks until{};          ///< live while every clock reads less
   bool selected = false;  ///< d_tau >= 0
   bool visible = false;   ///< d_c >= 0
+  bool inside = false;    ///< all of its ball is within the view volume
   bool rooted = false;    ///< its ancestors are known to be there
   bool active() const { return selected && visible && rooted; }
 };
@@ -37,7 +38,8 @@ class Evaluation {
 
  private:
   Allowance selection_allowance(const Ball& ball, double distance) const;
-  Allowance culling_allowance(const Ball& ball, double distance) const;
+  Allowance culling_allowance(const Ball& ball, double margin, double distance) const;
+  Allowance allowance(const Ball& ball, const LiveVertex& vertex, double margin) const;
   double frames(const Allowance& allowance) const;
 
   const Criterion& criterion_;

@@ -10,7 +10,7 @@ namespace {
 constexpr double kMostTicks = 0x1p31;
 constexpr double kTurnTick = 1e-7;   // radians
 constexpr double kScaleTick = 1e-6;  // of nu
-/// More ticks than a quotient below kMostTicks is rounded by.
+/// More ticks than a number of them below kMostTicks is rounded by.
 constexpr double kQuotientRounding = 1e-5;
 
 // Offset of a plane from the eye.
@@ -75,12 +75,14 @@ void Odometer::restart() {
   total_ = {};
   now_.fill(1);  // no status lasts until 0 or 1
   tick_[Scale] = kScaleTick * nu_;
+  for (std::size_t k = 0; k < kClocks; ++k) per_tick_[k] = 1 / tick_[k];
 }
 
 // The least whole number of ticks that is not behind, and one more for whatever moved.
 void Odometer::read(const Allowance& step) {
   for (std::size_t k = 0; k < kClocks; ++k) {
-    const auto ticks = static_cast<std::uint32_t>(std::ceil(total_[k] / tick_[k]));
+    const auto ticks =
+        static_cast<std::uint32_t>(std::ceil(total_[k] * per_tick_[k] + kQuotientRounding));
     const bool counts = step[k] > 0 && (rounding_ == Rounding::Exact || k != Move);
     now_[k] = std::max(ticks, now_[k] + (counts ? 1U : 0U));
   }
@@ -90,7 +92,7 @@ void Odometer::read(const Allowance& step) {
 Ticks Odometer::until(const Allowance& allowance) const {
   Ticks out;
   for (std::size_t k = 0; k < kClocks; ++k) {
-    const double ticks = (total_[k] + allowance[k]) / tick_[k] - kQuotientRounding;
+    const double ticks = (total_[k] + allowance[k]) * per_tick_[k] - kQuotientRounding;
     out[k] =
         ticks < 2 * kMostTicks - 1 ? static_cast<std::uint32_t>(std::max(ticks, 0.0)) : kForever;
     if (rounding_ == Rounding::Exact || k != Move) out[k] = std::max(out[k], now_[k] + 1);

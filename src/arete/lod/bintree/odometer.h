@@ -60,7 +60,7 @@ class Odometer {
   void restart();
   void read(const Allowance& step);
 
-  Allowance tick_;
+  Allowance tick_, per_tick_{};
   Rounding rounding_;
   Allowance total_{}, rates_{};
   Ticks now_{};

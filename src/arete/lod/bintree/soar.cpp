@@ -25,8 +25,7 @@ class Strip {
       : out_(out), outer_(outer), inner_(inner) {}
 
   void begin(Corner& first) {
-    place(first);
-    older_ = newer_ = first;
+    older_ = newer_ = {first.post, place(first)};
     out_.indices.assign(3, first.slot);  // the third turns the winding to ours
   }
   void halved(Corner& apex, int levels) { append(apex, static_cast<unsigned>(levels) & 1U); }
@@ -53,14 +52,21 @@ class Strip {
   }
 
  private:
+  /// A vertex in the strip.
+  struct Laid {
+    Post post;
+    std::uint32_t slot = 0;
+  };
+
   void append(Corner& v, unsigned parity) {
     if (v.post == newer_.post || v.post == older_.post) return;
     if (parity == parity_) {
       out_.indices.push_back(older_.slot);
       std::swap(older_, newer_);
     }
-    out_.indices.push_back(place(v));
-    older_ = std::exchange(newer_, v);
+    older_ = newer_;
+    newer_ = {v.post, place(v)};
+    out_.indices.push_back(newer_.slot);
     parity_ = parity;
   }
 
@@ -74,7 +80,7 @@ class Strip {
 
   DrawList& out_;
   const Criterion &outer_, &inner_;
-  Corner older_, newer_;
+  Laid older_, newer_;
   unsigned parity_ = 1;
   int roots_ = 0;
 };
@@ -108,9 +114,7 @@ class SoarEngine final : public Engine {
     const bool bounded = delta_ == Delta::Exact && sharper_ == 1;
     return claims_of(options, bounded ? Bounded::Yes : Bounded::No);
   }
-  Footprint footprint() const override {
-    return {.table_bytes = ground_.pages().table_bytes(), .batches = 1, .least = least_budget()};
-  }
+  Footprint footprint() const override { return {.batches = 1, .least = least_budget()}; }
 
   // Everything that it draws is in the list.
   std::span<const Vertex> vertices(BlockKey) const override { return {}; }
