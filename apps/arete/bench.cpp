@@ -38,24 +38,9 @@ Json times_json(const std::vector<double>& samples) {
           {"max", quantile(samples, 1)}};
 }
 
-Json options_json(const BenchFlags& flags, const std::string& method) {
-  const FlightFlags& f = flags.flight;
-  Json settings = Json::object();
-  for (const auto& [name, value] : params_of(f.terrain.method_flags, method)) {
-    settings[name] = value;
-  }
-  return {{"width", f.size.width},
-          {"height", f.size.height},
-          {"tolerance_px", f.refine_options().tolerance_px},
-          {"scale", f.scale},
-          {"cache_bytes", f.terrain.cache.count},
-          {"gpu_memory_bytes", f.gpu_memory.count},
-          {"settings", settings}};
-}
-
 Json json_of(const BenchFlags& flags, const BenchRun& r) {
   return {{"method", r.method},
-          {"options", options_json(flags, r.method)},
+          {"options", options_json(flags.flight, r.method)},
           {"frames", r.frames},
           {"mean_triangles", r.mean_triangles},
           {"mean_full_triangles", r.mean_full_triangles},
@@ -70,8 +55,13 @@ Json json_of(const BenchFlags& flags, const BenchRun& r) {
           {"bytes_uploaded", r.bytes_uploaded},
           {"incoherence_percent", r.incoherence_percent},
           {"cache_bytes_max", r.cache_bytes_max},
+          {"resident_bytes_max", r.resident_bytes_max},
+          {"terrain_bytes_max", r.terrain_bytes_max},
+          {"gpu_bytes_max", r.gpu_bytes_max},
+          {"max_triangles", r.max_triangles},
           {"peak_rss_bytes", r.peak_rss_bytes},
-          {"achieved_error_px", r.achieved_error_px}};
+          {"max_tolerance_px", finite(r.tolerance_px)},
+          {"achieved_error_px", finite(r.achieved_error_px)}};
 }
 
 void print_header() {
@@ -154,7 +144,7 @@ void add_bench(CLI::App& app) {
       ->capture_default_str();
   add_flight(*verb, flags->flight);
   add_frames(*verb, flags->flight.frames);
-  add_gpu_memory(*verb, flags->flight.gpu_memory);
+  add_missing(*verb, flags->flight);
   verb->add_flag_callback(
       "--no-draw", [flags] { flags->drawing = Drawing::Skip; }, "Time the refinement alone");
   verb->add_option("--paper", flags->paper, "Repeat a paper's own experiment: smart")

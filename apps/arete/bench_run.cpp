@@ -10,6 +10,7 @@
 #include "arete/proof/incoherence.h"
 #include "arete/render/renderer.h"
 
+#include "budgets.h"
 #include "ground.h"
 #include "interrupt.h"
 #include "land_rasters.h"
@@ -28,7 +29,7 @@ double ms(Clock::duration d) {
 struct Canvas {
   Canvas(const store::Terrain& terrain, const FlightFlags& flags)
       : rasters(terrain),
-        renderer(rasters.land, flags.gpu_memory.count),
+        renderer(rasters.land, renderer_memory(flags)),
         frame(flags.size.width, flags.size.height) {}
 
   // Waits for the picture: without it a software rasteriser's time would fall into the next frame.
@@ -51,6 +52,9 @@ void add_stats(const RefineStats& stats, BenchRun& run) {
   run.visited_nodes += stats.visited_nodes;
   run.late_blocks += stats.late_blocks;
   run.achieved_error_px = std::max(run.achieved_error_px, stats.achieved_error_px);
+  run.tolerance_px = std::max(run.tolerance_px, stats.tolerance_px);
+  run.max_triangles = std::max(run.max_triangles, stats.triangles);
+  run.resident_bytes_max = std::max(run.resident_bytes_max, stats.resident_bytes);
 }
 
 }  // namespace
@@ -73,6 +77,8 @@ BenchRun bench_method(const FlightFlags& flags, const std::string& method, Drawi
   if (drawing == Drawing::Draw) {
     canvas.emplace(*terrain, flags);
   }
+  lod::RefineOptions options = flags.refine_options();
+  options.budget = budget_of(flags, *terrain, *engine, canvas ? &canvas->renderer : nullptr);
   BenchRun run;
   run.method = method;
   run.frames = flags.frames;
@@ -85,16 +91,21 @@ BenchRun bench_method(const FlightFlags& flags, const std::string& method, Drawi
     const View view =
         make_view(path.at(instant(path, i, flags.frames)), flags.size.width, flags.size.height);
     const auto start = Clock::now();
-    engine->refine(view, flags.refine_options(), list);
+    engine->refine(view, options, list);
     const auto refined = Clock::now();
     run.refine_ms.push_back(ms(refined - start));
     if (canvas) {
       canvas->draw(view, list, *engine);
       run.draw_ms.push_back(ms(Clock::now() - refined));
       run.bytes_uploaded += canvas->renderer.stats().bytes_uploaded;
+      run.gpu_bytes_max = std::max(run.gpu_bytes_max,
+                                   canvas->renderer.stats().gpu_bytes +
+                                       render::Frame::bytes(flags.size.width, flags.size.height));
     }
     run.frame_ms.push_back(ms(Clock::now() - start));
     add_stats(list.stats, run);
+    run.terrain_bytes_max =
+        std::max(run.terrain_bytes_max, terrain_bytes(*terrain, *engine, list.stats));
     incoherence.add(list, *engine);
     bar.show(method, static_cast<double>(i + 1) / flags.frames);
   }

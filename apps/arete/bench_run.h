@@ -21,8 +21,12 @@ struct BenchRun {
   std::uint64_t evaluated_vertices = 0, visited_nodes = 0, late_blocks = 0;
   std::uint64_t bytes_read = 0, page_faults = 0, bytes_uploaded = 0;
   double incoherence_percent = 0;
-  std::uint64_t cache_bytes_max = 0, peak_rss_bytes = 0;
+  std::uint64_t cache_bytes_max = 0;     ///< decoded tiles
+  std::uint64_t resident_bytes_max = 0;  ///< vertices that the engine held
+  std::uint64_t terrain_bytes_max = 0;   ///< both and tables: what --cache caps
+  std::uint64_t gpu_bytes_max = 0, peak_rss_bytes = 0, max_triangles = 0;
   double achieved_error_px = 0;
+  double tolerance_px = 0;  ///< the largest used
 };
 
 /// The smallest sample that at least `share` of the samples do not exceed; 0 of none.

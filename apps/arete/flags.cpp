@@ -8,6 +8,7 @@ lod::RefineOptions FlightFlags::refine_options() const {
   lod::RefineOptions options;
   options.tolerance_px = tolerance.pixels(size.height);
   options.scale = error_scale(scale);
+  options.on_missing = on_missing;
   return options;
 }
 
@@ -59,6 +60,10 @@ void add_flight(CLI::App& verb, FlightFlags& flags) {
       "--literal", [&flags] { flags.terrain.method_flags.settings.emplace_back("literal=true"); },
       "The method as its paper has it, with what that cannot keep (as --set literal=true)");
   add_cache(verb, flags.terrain.cache);
+  add_quantity(verb, "--gpu-memory", flags.gpu_memory, "Most bytes on the GPU [1G]")
+      ->type_name("BYTES");
+  verb.add_option("--triangles", flags.triangles, "Most triangles in a frame [no limit]")
+      ->type_name("N");
 }
 
 void add_frames(CLI::App& verb, int& frames) {
@@ -72,8 +77,15 @@ void add_cache(CLI::App& verb, Bytes& cache) {
       ->type_name("BYTES");
 }
 
-void add_gpu_memory(CLI::App& verb, Bytes& gpu_memory) {
-  add_quantity(verb, "--gpu-memory", gpu_memory, "Most bytes on the GPU [1G]")->type_name("BYTES");
+void add_missing(CLI::App& verb, FlightFlags& flags) {
+  add_choice<lod::OnMissing>(verb, "--on-missing", flags.on_missing,
+                             {{"wait", lod::OnMissing::Wait}, {"defer", lod::OnMissing::Defer}},
+                             "Tiles that are not in memory: wait (read them now), or defer (draw "
+                             "coarser meanwhile) [wait]")
+      ->type_name("WHAT");
+  verb.add_flag_callback(
+      "--no-prefetch", [&flags] { flags.terrain.prefetch = false; },
+      "Load no tile in the background");
 }
 
 double instant(const scene::Path& path, int i, int n) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <string>
 
@@ -22,7 +23,10 @@ struct FlightFlags {
   Tolerance tolerance;
   std::string scale = "up";
   Bytes gpu_memory{std::size_t{1} << 30U};
+  std::uint64_t triangles = lod::Budget::kUnlimited;
+  lod::OnMissing on_missing = lod::OnMissing::Wait;
 
+  /// Without the budget: see budget_of.
   lod::RefineOptions refine_options() const;
 };
 
@@ -64,11 +68,12 @@ void add_terrain(CLI::App& verb, TerrainFlags& flags);
 void add_method(CLI::App& verb, std::string& method);
 void add_settings(CLI::App& verb, MethodFlags& flags);
 void add_quiet(CLI::App& verb, Talk& talk);
-/// --path --size --tolerance --scale and the settings of methods.
+/// --path --size --tolerance --scale, the settings of methods and the budgets.
 void add_flight(CLI::App& verb, FlightFlags& flags);
 void add_frames(CLI::App& verb, int& frames);
 void add_cache(CLI::App& verb, Bytes& cache);
-void add_gpu_memory(CLI::App& verb, Bytes& gpu_memory);
+/// --on-missing --no-prefetch: for measuring what prefetching does.
+void add_missing(CLI::App& verb, FlightFlags& flags);
 
 /// The i-th of n instants of a path, in seconds: the path's n equal parts begin at them, as in
 /// proof::verify.

@@ -13,6 +13,7 @@ namespace arete::app {
 namespace {
 
 constexpr std::array<std::string_view, 4> kPatchMethods{"full", "geomipmap", "smooth", "deboer"};
+constexpr std::array<std::string_view, 2> kPageMethods{"soar", "smart"};
 constexpr std::array<std::pair<std::string_view, ErrorScale>, 3> kScales{{
     {"up", ErrorScale::Upright},
     {"ang", ErrorScale::Angular},
@@ -53,6 +54,10 @@ lod::Params params_of(const MethodFlags& flags, std::string_view method) {
     params[name] = setting.substr(equals + 1);
   }
   return params;
+}
+
+bool has_pages(std::string_view method) {
+  return std::ranges::count(kPageMethods, method) != 0;
 }
 
 std::vector<std::string> method_list(std::string_view names) {

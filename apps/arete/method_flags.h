@@ -18,6 +18,9 @@ struct MethodFlags {
 /// The settings that concern this method. Throws: Usage for one without "=".
 lod::Params params_of(const MethodFlags& flags, std::string_view method);
 
+/// Methods that keep pages of their own, as many as the param "pages" says.
+bool has_pages(std::string_view method);
+
 /// "all", or names separated by commas, in the order of lod::engines() without repeats.
 /// Throws: Usage, listing the names.
 std::vector<std::string> method_list(std::string_view names);

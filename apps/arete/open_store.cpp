@@ -171,9 +171,14 @@ std::optional<fs::path> ready_store(const TerrainFlags& flags,
   return store;
 }
 
+std::size_t tile_bytes(Bytes cache) {
+  return cache.count / 4;
+}
+
 std::unique_ptr<store::Terrain> open_store(const TerrainFlags& flags, const fs::path& store) {
   store::OpenOptions options;
-  options.cache_bytes = flags.cache.count;
+  options.cache_bytes = tile_bytes(flags.cache);
+  options.prefetch = flags.prefetch;
   return store::Terrain::open(store, options);
 }
 
@@ -192,7 +197,13 @@ void tell_of_damage(const store::Terrain& terrain, const TerrainFlags& flags) {
 
 std::unique_ptr<lod::Engine> open_method(const TerrainFlags& flags, const std::string& method,
                                          const store::Terrain& terrain) {
-  return lod::find_engine(method).open(terrain, params_of(flags.method_flags, method));
+  lod::Params params = params_of(flags.method_flags, method);
+  if (has_pages(method)) {  // what --set says goes first
+    params.emplace("pages",
+                   std::to_string(std::max<std::size_t>(tile_bytes(flags.cache) / 4096, 1)));
+    params.emplace("prefetch", flags.prefetch ? "on" : "off");
+  }
+  return lod::find_engine(method).open(terrain, params);
 }
 
 }  // namespace arete::app

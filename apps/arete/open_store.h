@@ -20,7 +20,8 @@ namespace arete::app {
 struct TerrainFlags {
   std::filesystem::path terrain;
   MethodFlags method_flags;
-  Bytes cache{std::size_t{512} << 20U};
+  Bytes cache{std::size_t{512} << 20U};  ///< for tables, tiles and vertices together
+  bool prefetch = true;
   Talk talk = Talk::Normal;
 };
 
@@ -33,6 +34,10 @@ std::filesystem::path store_of(const TerrainFlags& flags, const std::vector<std:
 /// The same when nothing has to be built for it. Throws: NotFound.
 std::optional<std::filesystem::path> ready_store(const TerrainFlags& flags,
                                                  const std::vector<std::string>& methods);
+
+/// What of --cache holds decoded tiles, and as much again the pages of methods that have their own;
+/// the rest is for tables and vertices.
+std::size_t tile_bytes(Bytes cache);
 
 /// Opens a store with the cache budget.
 std::unique_ptr<store::Terrain> open_store(const TerrainFlags& flags,

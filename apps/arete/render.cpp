@@ -15,6 +15,7 @@
 #include "arete/render/headless.h"
 #include "arete/render/renderer.h"
 
+#include "budgets.h"
 #include "flags.h"
 #include "ground.h"
 #include "interrupt.h"
@@ -39,7 +40,8 @@ struct RenderFlags {
 
 constexpr const char* kStatsHeader =
     "frame,seconds,triangles,draws,visited_nodes,evaluated_vertices,culled,late_blocks,"
-    "bytes_uploaded,gpu_bytes,achieved_error_px,refine_ms,draw_ms\n";
+    "bytes_uploaded,gpu_bytes,achieved_error_px,refine_ms,draw_ms,tolerance_px,resident_bytes,"
+    "cache_bytes,terrain_bytes\n";
 
 /// Everything that one frame needs, opened once.
 class Studio {
@@ -49,9 +51,12 @@ class Studio {
         terrain_(open_terrain(flags.flight.terrain, {flags.method})),
         engine_(open_method(flags.flight.terrain, flags.method, *terrain_)),
         rasters_(*terrain_),
-        renderer_(rasters_.land, flags.flight.gpu_memory.count),
+        renderer_(rasters_.land, renderer_memory(flags.flight)),
         frame_(flags.flight.size.width, flags.flight.size.height),
-        path_(scene::make_path(flags.flight.path, ground_of(*terrain_, store::Fetch::Wait))) {}
+        path_(scene::make_path(flags.flight.path, ground_of(*terrain_, store::Fetch::Wait))),
+        options_(flags.flight.refine_options()) {
+    options_.budget = budget_of(flags.flight, *terrain_, *engine_, &renderer_);
+  }
 
   const scene::Path& path() const { return path_; }
   void tell_of_damage() const { app::tell_of_damage(*terrain_, flags_.flight.terrain); }
@@ -61,7 +66,7 @@ class Studio {
   std::string shoot(int index, double seconds) {
     const auto start = std::chrono::steady_clock::now();
     view_ = make_view(path_.at(seconds), frame_.width(), frame_.height());
-    engine_->refine(view_, flags_.flight.refine_options(), list_);
+    engine_->refine(view_, options_, list_);
     const auto refined = std::chrono::steady_clock::now();
     renderer_.draw(view_, list_, *engine_, flags_.style, frame_);
     require_all_drawn(renderer_);
@@ -70,10 +75,12 @@ class Studio {
     using Ms = std::chrono::duration<double, std::milli>;
     const RefineStats& s = list_.stats;
     const render::DrawStats& d = renderer_.stats();
-    return fmt::format("{},{:.6f},{},{},{},{},{},{},{},{},{:.4f},{:.3f},{:.3f}\n", index, seconds,
-                       s.triangles, d.draws, s.visited_nodes, s.evaluated_vertices, s.culled,
-                       s.late_blocks, d.bytes_uploaded, d.gpu_bytes, s.achieved_error_px,
-                       Ms(refined - start).count(), Ms(drawn - refined).count());
+    return fmt::format(
+        "{},{:.6f},{},{},{},{},{},{},{},{},{:.4f},{:.3f},{:.3f},{:.4f},{},{},{}\n", index, seconds,
+        s.triangles, d.draws, s.visited_nodes, s.evaluated_vertices, s.culled, s.late_blocks,
+        d.bytes_uploaded, d.gpu_bytes + frame_bytes(), s.achieved_error_px,
+        Ms(refined - start).count(), Ms(drawn - refined).count(), s.tolerance_px, s.resident_bytes,
+        terrain_->cache_stats().resident_bytes, terrain_bytes(*terrain_, *engine_, s));
   }
   const std::vector<std::uint8_t>& rgb() const { return rgb_; }
 
@@ -87,6 +94,10 @@ class Studio {
   }
 
  private:
+  std::uint64_t frame_bytes() const {
+    return render::Frame::bytes(frame_.width(), frame_.height());
+  }
+
   const RenderFlags& flags_;
   render::HeadlessContext context_;
   std::unique_ptr<store::Terrain> terrain_;
@@ -95,6 +106,7 @@ class Studio {
   render::Renderer renderer_;
   render::Frame frame_;
   scene::Path path_;
+  lod::RefineOptions options_;
   View view_;
   DrawList list_;
   std::vector<std::uint8_t> rgb_;
@@ -139,7 +151,7 @@ void add_flags(CLI::App& verb, RenderFlags& flags) {
   add_method(verb, flags.method);
   add_flight(verb, flags.flight);
   add_frames(verb, flags.flight.frames);
-  add_gpu_memory(verb, flags.flight.gpu_memory);
+  add_missing(verb, flags.flight);
   verb.add_option("--at", flags.at, "Second of the path that a .png shows")->capture_default_str();
   verb.add_option("--fps", flags.frames_per_second, "Frames a second of a .mp4")
       ->capture_default_str()

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "budgets.h"
+
 namespace arete::app {
 
 OpenedTerrain open_with_method(const TerrainFlags& flags, const std::filesystem::path& store,
@@ -29,6 +31,10 @@ void ShownTerrain::change_method(const TerrainFlags& flags, const std::string& m
   opened_.method = method;
   list_.clear();
   refined_ = false;
+}
+
+lod::Budget ShownTerrain::budget_under(const FlightFlags& flags) const {
+  return budget_of(flags, *opened_.terrain, *opened_.engine, &renderer_);
 }
 
 void ShownTerrain::refine(const View& view, const lod::RefineOptions& options) {

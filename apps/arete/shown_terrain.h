@@ -8,6 +8,7 @@
 #include "arete/lod/engine.h"
 #include "arete/render/renderer.h"
 
+#include "flags.h"
 #include "ground.h"
 #include "land_rasters.h"
 #include "open_store.h"
@@ -51,6 +52,8 @@ class ShownTerrain {
   const Place& place() const { return place_; }
   /// The least budget that the method can keep.
   lod::Budget least_budget() const { return opened_.engine->footprint().least; }
+  /// As budget_of. Throws: Limit.
+  lod::Budget budget_under(const FlightFlags& flags) const;
   const std::filesystem::path& source() const { return opened_.source; }
   bool preview() const { return opened_.preview; }
   const std::string& method() const { return opened_.method; }

@@ -11,6 +11,7 @@
 #include "arete/core/error.h"
 #include "arete/core/heightfield.h"
 
+#include "budgets.h"
 #include "flags.h"
 #include "ground.h"
 #include "interrupt.h"
@@ -27,27 +28,9 @@ struct VerifyFlags {
   bool json = false;
 };
 
-/// JSON knows no infinity: null stands for "not promised" and "without bound".
-Json finite(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
-Json options_json(const VerifyFlags& flags) {
-  const FlightFlags& f = flags.flight;
-  Json settings = Json::object();
-  for (const auto& [name, value] : params_of(f.terrain.method_flags, flags.method)) {
-    settings[name] = value;
-  }
-  return {{"path", f.path},
-          {"width", f.size.width},
-          {"height", f.size.height},
-          {"scale", f.scale},
-          {"settings", settings}};
-}
-
 Json json_of(const VerifyFlags& flags, const proof::VerifyReport& r) {
   return {{"method", flags.method},
-          {"options", options_json(flags)},
+          {"options", options_json(flags.flight, flags.method)},
           {"claims",
            {{"conforming", r.claims.conforming},
             {"error_px", finite(r.claims.error_px)},
@@ -69,6 +52,10 @@ Json json_of(const VerifyFlags& flags, const proof::VerifyReport& r) {
           {"undrawn_posts", r.undrawn_posts},
           {"mean_triangles", r.mean_triangles},
           {"max_triangles", r.max_triangles},
+          {"max_vertex_bytes", r.max_vertex_bytes},
+          {"over_budget_frames", r.over_budget_frames},
+          {"broken_bounds", r.broken_bounds},
+          {"max_tolerance_px", finite(r.max_tolerance_px)},
           {"achieved_error_px", finite(r.achieved_error_px)},
           {"seconds", r.seconds}};
 }
@@ -83,7 +70,10 @@ void print_table(const VerifyFlags& flags, const proof::VerifyReport& r) {
   fmt::print("  error       {:10.4f} px at most, {:.4f} for 99.9 % ({})\n", r.max_error_px,
              r.p999_error_px, promise(r.claims.error_px, "px"));
   fmt::print("  as an angle {:10.4f} px at most\n", r.max_error_angular_px);
-  fmt::print("  bound       {:10.4f} px by the method's own account\n", r.achieved_error_px);
+  fmt::print("  bound       {:10.4f} px by the method's own account{}\n", r.achieved_error_px,
+             r.max_tolerance_px > r.tolerance_px
+                 ? fmt::format(", the budgets asking for {:.4g} px", r.max_tolerance_px)
+                 : "");
   fmt::print("  cracks      {:10}    T-junctions {} ({})\n", r.cracks, r.t_junctions,
              r.claims.conforming ? "promised none" : "not promised");
   fmt::print("  background  {:10} pixels seen through the surface, {} posts not drawn\n",
@@ -93,8 +83,12 @@ void print_table(const VerifyFlags& flags, const proof::VerifyReport& r) {
              std::isfinite(r.claims.pop_px)
                  ? fmt::format(", {:.0f} % of it at worst", 100 * r.max_pop_share)
                  : "");
-  fmt::print("  triangles   {:>10} on average, {} at most\n",
-             grouped(static_cast<unsigned long long>(r.mean_triangles)), grouped(r.max_triangles));
+  fmt::print("  triangles   {:>10} on average, {} at most, in {} of vertices\n",
+             grouped(static_cast<unsigned long long>(r.mean_triangles)), grouped(r.max_triangles),
+             bytes_text(static_cast<double>(r.max_vertex_bytes)));
+  fmt::print("  budgets     {:>10}\n",
+             r.over_budget_frames == 0 ? "kept"
+                                       : fmt::format("broken in {} frames", r.over_budget_frames));
   fmt::print("  {}\n", r.holds() ? "every claim holds" : "A CLAIM IS BROKEN");
 }
 
@@ -111,6 +105,8 @@ proof::VerifyReport measure(const VerifyFlags& flags) {
   options.height = flags.flight.size.height;
   options.threads = default_threads();
   options.refine = flags.flight.refine_options();
+  options.refine.budget = budget_of(flags.flight, *terrain, *engine, nullptr);
+  options.gpu_memory = renderer_memory(flags.flight);
   if (!flags.dump.empty()) {
     options.dump = flags.dump;
   }

@@ -20,7 +20,6 @@ void add_view(CLI::App& app) {
   add_terrain(*verb, flags->flight.terrain);
   add_method(*verb, flags->method);
   add_flight(*verb, flags->flight);
-  add_gpu_memory(*verb, flags->flight.gpu_memory);
   CLI::Option* const shot =
       verb->add_option("--screenshot", flags->screenshot,
                        "Fly the path in --frames frames, save the last picture, and quit")

@@ -59,6 +59,9 @@ Viewer::Viewer(const ViewFlags& flags)
   }
   knobs_.tolerance_px = static_cast<float>(flags.flight.refine_options().tolerance_px);
   knobs_.cache_mib = static_cast<int>(flags.flight.terrain.cache.count >> 20U);
+  if (flags.flight.triangles < static_cast<std::uint64_t>(Knobs::kAllTriangles)) {
+    knobs_.triangles = static_cast<int>(flags.flight.triangles);
+  }
   knobs_.gpu_mib = static_cast<int>(flags.flight.gpu_memory.count >> 20U);
   if (first_) {
     show(std::move(*first_));
@@ -129,7 +132,7 @@ void Viewer::take_failure() {
 void Viewer::show(OpenedTerrain opened) {
   const bool same = shown_ && shown_->source() == opened.source;
   shown_.reset();  // two renderers at once would exceed the cap on GPU memory
-  shown_ = std::make_unique<ShownTerrain>(std::move(opened), flags_.flight.gpu_memory.count);
+  shown_ = std::make_unique<ShownTerrain>(std::move(opened), memory_beside_picture());
   if (!same) {
     controls_.emplace(shown_->ground(), home_pose(shown_->ground(), aspect()));
     path_ = PathRecorder();
@@ -141,6 +144,7 @@ void Viewer::show(OpenedTerrain opened) {
   window_.set_title(fmt::format("Arete - {}", shown_->source().filename().string()));
   frozen_ = false;
   notice_ = {};
+  take_budget();
   if (shown_->terrain().manifest().drawable_cells == 0) {
     tell("nothing to draw: no square of four posts has data", Mood::Failure);
   }
@@ -181,6 +185,8 @@ void Viewer::draw_land() {
   if (!frozen_ || !shown_->refined()) {
     lod::RefineOptions options = flags_.flight.refine_options();
     options.tolerance_px = static_cast<double>(knobs_.tolerance_px);
+    options.budget = *budget_;
+    options.budget.triangles = lod::Budget::kUnlimited;
     if (knobs_.triangles < Knobs::kAllTriangles) {
       options.budget.triangles =
           std::max(static_cast<std::uint64_t>(knobs_.triangles), shown_->least_budget().triangles);
@@ -282,8 +288,31 @@ void Viewer::set_tolerance(float pixels) {
 void Viewer::change_method(const std::string& method) {
   try {
     shown_->change_method(flags_.flight.terrain, method);
+    take_budget();
     tell(fmt::format("method {}", method));
   } catch (const Error& error) {
+    tell(error.what(), Mood::Failure);
+  }
+}
+
+// The picture's size is the user's to change, so the renderer is left a half in any case.
+std::size_t Viewer::memory_beside_picture() const {
+  const std::size_t all = flags_.flight.gpu_memory.count;
+  const FrameSize size = window_.size();
+  const std::uint64_t picture = render::Frame::bytes(size.width, size.height);
+  return all - std::min<std::size_t>(picture, all / 2);
+}
+
+// At open a budget that not even the coarsest surface fits is an error; later it is one that is
+// overstepped by as little as can be.
+void Viewer::take_budget() {
+  try {
+    budget_ = shown_->budget_under(flags_.flight);
+  } catch (const Error& error) {
+    if (!budget_) {
+      throw;
+    }
+    budget_ = shown_->least_budget();
     tell(error.what(), Mood::Failure);
   }
 }

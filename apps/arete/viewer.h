@@ -51,6 +51,8 @@ class Viewer {
   void press_over_land(const KeyPress& press);
   void set_tolerance(float pixels);
   void change_method(const std::string& method);
+  void take_budget();
+  std::size_t memory_beside_picture() const;
   void change_memory();
   void next_method();
   void press_path_key(bool shift);
@@ -82,6 +84,7 @@ class Viewer {
   render::Style style_;
   FrameTimes times_;
   Knobs knobs_;
+  std::optional<lod::Budget> budget_;       ///< of memory; once there is a method
   std::optional<glm::dvec3> under_cursor_;  ///< world metres
   std::optional<glm::dvec2> looked_at_;     ///< cursor of under_cursor_
   Pose looked_from_, drawn_from_;

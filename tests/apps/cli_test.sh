@@ -99,6 +99,31 @@ keys machine terrain path runs method options frames mean_triangles refine_ms p5
 expect 0 bench t.arete --methods full,geomipmap --frames 4 --no-draw --report report.html
 [[ $(grep -c '<polyline' report.html) == 6 ]] || fault "not six lines in report.html"
 
+# Budgets: kept, or refused at open by a line that names the flag and the least that would do.
+expect 0 bench t.arete --methods full,geomipmap --frames 8 --size 160x90 --triangles 20000 --cache 6M \
+  --gpu-memory 6M --json
+keys max_triangles terrain_bytes_max resident_bytes_max gpu_bytes_max max_tolerance_px triangles
+within() {  # KEY MOST: every value of the key
+  grep -o "\"$1\": [0-9]*" stdout | while read -r _ value; do ((value <= $2)) || echo over; done | grep -q over &&
+    fault "$1 is above $2"
+}
+within max_triangles 20000
+within terrain_bytes_max $((6 << 20))
+within gpu_bytes_max $((6 << 20))
+expect 0 verify t.arete --method full --frames 3 --size 160x90 --triangles 20000 --json
+keys over_budget_frames broken_bounds max_tolerance_px max_vertex_bytes
+expect 0 render t.arete -o capped.png --size 160x90 --triangles 9000 --stats capped.csv
+(($(tail -n 1 capped.csv | cut -d, -f3) <= 9000)) || fault "--triangles broken: $(tail -n 1 capped.csv)"
+for flag in "--triangles 9" "--cache 100K" "--gpu-memory 300K"; do
+  for verb in "render t.arete -o no.png" "verify t.arete --method full" "bench t.arete"; do
+    # shellcheck disable=SC2086
+    expect 1 $verb $flag
+    says stderr "${flag%% *}"
+    says stderr "allow"
+  done
+done
+absent no.png
+
 # A picture that fails half way leaves nothing.
 expect 1 render t.arete -o lost.png --size 160x90 --stats no/such/dir/stats.csv
 absent lost.png

@@ -82,6 +82,26 @@ TEST_F(Geomipmap, NothingPops) {
   EXPECT_GT(worst, 0);
 }
 
+// The same surface whichever way a cap is come to: from every post down, or from 1 px.
+TEST_F(Geomipmap, FullUnderABudgetIsThisMethod) {
+  const auto exact = find_engine("full").open(*opened_, {{"patch", "17"}});
+  const auto engine = geomipmap::open(*opened_, {{"patch", "17"}});
+  DrawList a;
+  DrawList b;
+  int compared = 0;
+  for (int k = 0; k < 40; ++k) {
+    for (const std::uint64_t triangles : {1000, 3000, 9000}) {
+      const RefineOptions options{.budget = {.triangles = triangles}};
+      exact->refine(flight_view(k / 40.0), options, a);
+      engine->refine(flight_view(k / 40.0), options, b);
+      if (!(b.stats.tolerance_px > 1) || std::isinf(b.stats.tolerance_px)) continue;
+      ++compared;
+      EXPECT_NEAR(a.stats.tolerance_px / b.stats.tolerance_px, 1, 3e-3);
+    }
+  }
+  EXPECT_GT(compared, 20);
+}
+
 TEST_F(Geomipmap, RefusesUnknownOptions) {
   EXPECT_THROW(geomipmap::open(*opened_, {{"pach", "17"}}), Error);
   EXPECT_THROW(geomipmap::open(*opened_, {{"patch", "18"}}), Error);

@@ -14,8 +14,9 @@ namespace arete::toy {
 /// own vertices. `spoil` may plant a fault in the list of the n-th refine.
 class ToyEngine : public lod::Engine {
  public:
-  static constexpr int kPatch = 8;  // cells a side
-  lod::Claims claimed{.conforming = true, .error_px = 1, .pop_px = 1};
+  static constexpr int kPatch = 8;                                      // cells a side
+  lod::Claims claimed{.conforming = true, .error_px = 1, .pop_px = 1};  ///< at 1 px
+  double achieved_px = 0.25, tolerance_px = 1;                          ///< what the stats say
   float raise = 0;   ///< metres added to every vertex
   int reach = 1000;  ///< posts from the eye that are drawn with culling on
   std::function<void(DrawList&, int refine)> spoil;
@@ -31,11 +32,17 @@ class ToyEngine : public lod::Engine {
         if (near || !options.cull) add_patch({c, r}, out);
       }
     }
-    out.stats.achieved_error_px = 0.25;
+    out.stats.achieved_error_px = achieved_px;
+    out.stats.tolerance_px = tolerance_px;
     if (spoil) spoil(out, refines_);
     ++refines_;
   }
-  lod::Claims claims(const lod::RefineOptions&) const override { return claimed; }
+  lod::Claims claims(const lod::RefineOptions& options) const override {
+    lod::Claims claims = claimed;
+    claims.error_px *= options.tolerance_px;
+    claims.pop_px *= options.tolerance_px;
+    return claims;
+  }
   lod::Footprint footprint() const override { return {}; }
   std::span<const Vertex> vertices(BlockKey) const override { return {}; }
   std::span<const std::uint32_t> indices(BlockKey) const override { return {}; }

@@ -149,6 +149,7 @@ TEST_F(Verify, CatchesATJunctionWithAndWithoutATriangleThatHidesIt) {
 
 TEST_F(Verify, CatchesAnErrorTenPercentOverTheClaim) {
   engine_.raise = 1;
+  engine_.achieved_px = 100;
   engine_.claimed.error_px = std::numeric_limits<double>::infinity();
   const double reached = run().max_error_px;
   EXPECT_GT(reached, 0.5);
@@ -158,9 +159,72 @@ TEST_F(Verify, CatchesAnErrorTenPercentOverTheClaim) {
   EXPECT_FALSE(run().holds());
 }
 
+TEST_F(Verify, CatchesALieAboutTheToleranceUsed) {
+  engine_.raise = 1;
+  engine_.achieved_px = 100;
+  options_.refine.budget.triangles = 2048;  // which may be why it is coarser
+  engine_.tolerance_px = 50;
+  engine_.tolerance_px = run().max_error_px;
+  VerifyReport r = run();
+  EXPECT_TRUE(r.holds());
+  EXPECT_EQ(r.max_tolerance_px, engine_.tolerance_px);
+  EXPECT_EQ(r.claims.error_px, engine_.tolerance_px);
+  engine_.tolerance_px *= 0.9;
+  r = run();
+  EXPECT_GT(r.broken_bounds, 0);
+  EXPECT_FALSE(r.holds());
+}
+
+TEST_F(Verify, CatchesALieAboutItsOwnBound) {
+  engine_.raise = 1;
+  engine_.claimed.error_px = 100;
+  engine_.achieved_px = 100;
+  engine_.achieved_px = run().max_error_px;
+  EXPECT_TRUE(run().holds());
+  engine_.achieved_px *= 0.9;
+  EXPECT_FALSE(run().holds());
+}
+
+TEST_F(Verify, CatchesABrokenBudget) {
+  const std::uint64_t bytes = run().max_vertex_bytes;
+  options_.refine.budget = {2048, bytes};
+  EXPECT_TRUE(run().holds());
+  options_.refine.budget = {2047, bytes};
+  EXPECT_EQ(run().over_budget_frames, 7);  // each frame, its later half, the whole once
+  options_.refine.budget = {2048, bytes - 1};
+  EXPECT_FALSE(run().holds());
+}
+
+TEST_F(Verify, CatchesCoarsenessThatNoBudgetAskedFor) {
+  engine_.tolerance_px = 1.01;
+  EXPECT_FALSE(run().holds());
+  options_.refine.budget.triangles = 2048;
+  EXPECT_TRUE(run().holds());
+}
+
+TEST_F(Verify, AllowsTheMotionOfAChangingTolerance) {
+  engine_.claimed = {.conforming = true, .error_px = 100, .pop_px = 1};
+  options_.refine.budget.triangles = 2048;
+  path_ = scene::Path({{.t = 0, .eye = {16, -16, 25}, .pitch = -1.5}});  // nothing else moves
+  // Frame, whole, its later half, frame, its later half, ...: the later halves lie higher.
+  const auto rise = [this](double to_px) {
+    engine_.spoil = [to_px](DrawList& list, int refine) {
+      const bool later = refine == 2 || (refine > 2 && refine % 2 == 0);
+      list.stats.tolerance_px = later ? to_px : 1;
+      if (!later) return;
+      for (Vertex& v : list.vertices) v.z += 0.1F;
+    };
+    return run();
+  };
+  const double pop = rise(1).max_pop_px;
+  EXPECT_GT(pop, 0.1);
+  EXPECT_GT(rise(1 + 0.9 * pop).max_pop_share, 1);
+  EXPECT_LE(rise(1 + 1.1 * pop).max_pop_share, 1);
+}
+
 TEST_F(Verify, CatchesAPopInOneFrame) {
   // Refines run: frame 0, whole domain, its later half, frame 1, its later half, ...
-  engine_.claimed.error_px = 100;
+  engine_.claimed.error_px = engine_.achieved_px = 100;
   engine_.spoil = [](DrawList& list, int refine) {
     if (refine != 4) return;
     for (Vertex& v : list.vertices) v.z += 0.5F;
@@ -198,6 +262,7 @@ TEST_F(Verify, HoldsWhatWasNotClaimed) {
   engine_.claimed = {.conforming = false,
                      .error_px = std::numeric_limits<double>::infinity(),
                      .pop_px = std::numeric_limits<double>::infinity()};
+  engine_.achieved_px = 100;
   engine_.raise = 3;
   engine_.spoil = [](DrawList& list, int refine) {
     list.batches.resize(list.batches.size() - static_cast<std::size_t>(refine % 3));

@@ -32,7 +32,7 @@ class ScreenError {
   double allowed_m(double distance_m) const { return slope_ * std::max(distance_m, nearest_m_); }
   /// The tolerance that allowed_m keeps at distance D and beyond; infinite when there is none.
   double tolerance_px(double distance_m) const { return pixels(allowed_m(distance_m), distance_m); }
-  /// Allows `times` as much (at least 1) at every distance. Beyond kNearTimes also as if nothing
+  /// Allows `times` as much at every distance. Beyond kNearTimes also as if nothing
   /// were nearer than a distance that grows from 0 without bound: so enough `times` allow any error
   /// anywhere, even where the eye is inside a box. Moves allowed_m by at most
   /// |d allowed| / allowed <= (1 + kNearPower) |d times| / times for distances that count.

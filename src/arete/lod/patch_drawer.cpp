@@ -188,16 +188,16 @@ void PatchEngine::refine(const View& view, const RefineOptions& options, DrawLis
 ScreenError PatchEngine::coarsen(const View& view, const RefineOptions& options,
                                  RefineStats& stats) {
   constexpr double kLeastPx = 0x1p-20;  // "every post" has no tolerance to multiply
-  const double asked_px = finest_px(options);
-  ScreenError used(view, asked_px, options.scale);
-  const double base_px = std::max(asked_px, kLeastPx);
-  const ScreenError base(view, base_px, options.scale);
-  stats.tolerance_px = asked_px;
-  double used_px = asked_px;
+  const ScreenError asked(view, options.tolerance_px, options.scale);
+  double used_px = finest_px(options);
+  ScreenError used(view, used_px, options.scale);
+  stats.tolerance_px = used_px;
+  const double first = std::max(used_px, kLeastPx) / options.tolerance_px;
   const auto excess = [&](double log_times) {
     if (log_times > 0) {
-      used_px = base_px * std::exp(log_times);
-      used = base.coarser(std::exp(log_times));
+      const double times = first * std::exp(log_times);
+      used_px = options.tolerance_px * times;
+      used = asked.coarser(times);
     }
     stats.evaluated_vertices += set_levels(view, used, used_px);
     return drawer_.excess(field(), options.budget);

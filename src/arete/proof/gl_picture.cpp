@@ -9,18 +9,24 @@
 
 namespace arete::proof {
 struct GlPicture::Impl {
-  explicit Impl(const Heightfield& dem)
+  Impl(const Heightfield& dem, std::size_t gpu_memory)
       : renderer({.world_from_post = dem.georef().world_from_post,
                   .cols = dem.cols(),
-                  .rows = dem.rows()}) {}
+                  .rows = dem.rows()},
+                 gpu_memory) {}
 
   render::HeadlessContext context;  // made before and dropped after what lives in it
   render::Renderer renderer;
   std::optional<render::Frame> frame;
 };
 
-GlPicture::GlPicture(const Heightfield& dem) : impl_(std::make_unique<Impl>(dem)) {}
+GlPicture::GlPicture(const Heightfield& dem, std::size_t gpu_memory)
+    : impl_(std::make_unique<Impl>(dem, gpu_memory)) {}
 GlPicture::~GlPicture() = default;
+
+std::uint64_t GlPicture::vertex_room(std::uint64_t index_bytes, std::uint64_t batches) const {
+  return impl_->renderer.vertex_room(index_bytes, batches);
+}
 
 std::vector<float> GlPicture::depth(const View& view, const DrawList& list,
                                     const BlockSource& blocks) {

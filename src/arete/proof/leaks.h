@@ -27,10 +27,13 @@ std::uint64_t background_pixels(std::span<const float> depth, const mesh::Surfac
 class GlPicture {
  public:
   /// Throws: Unsupported when there is no OpenGL, saying what was tried.
-  explicit GlPicture(const Heightfield& dem);
+  /// gpu_memory: as Renderer's. Throws also: Limit.
+  explicit GlPicture(const Heightfield& dem, std::size_t gpu_memory = std::size_t{1} << 30U);
   ~GlPicture();
   GlPicture(const GlPicture&) = delete;
   GlPicture& operator=(const GlPicture&) = delete;
+  /// As Renderer's.
+  std::uint64_t vertex_room(std::uint64_t index_bytes, std::uint64_t batches) const;
   /// Throws: Limit when the list does not fit the renderer's memory.
   std::vector<float> depth(const View& view, const DrawList& list, const BlockSource& blocks);
 

@@ -77,6 +77,12 @@ double relative_motion(const View& before, const View& after, ErrorScale scale, 
   return (moved == 0 ? 0 : moved / nearest_m) + zoomed;
 }
 
+double relative_change(double before, double after) {
+  const double larger = std::max(before, after);
+  if (std::isinf(larger)) return larger;
+  return larger == 0 ? 0 : std::abs(after - before) / larger;
+}
+
 double pop_share(double pop_px, double claim_px, double motion) {
   if (pop_px == 0 || std::isinf(claim_px)) return 0;
   if (claim_px == 0) return std::numeric_limits<double>::infinity();  // whatever the motion

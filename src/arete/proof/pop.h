@@ -28,6 +28,9 @@ double nearest_batch_m(const DrawList& list, const BlockSource& blocks,
 /// The relative motion |dP| / D + |dalpha| / alpha that lod::Claims::pop_px is a multiple of.
 double relative_motion(const View& before, const View& after, ErrorScale scale, double nearest_m);
 
+/// |after - before| / the larger; 0 when both are 0, infinite when one is.
+double relative_change(double before, double after);
+
 /// pop_px as a share of the promise, claim_px (lod::Claims::pop_px) times the relative motion; 0
 /// without a promise or without a pop.
 double pop_share(double pop_px, double claim_px, double motion);

@@ -22,14 +22,15 @@ struct VerifyOptions {
   int width = 1280, height = 720;
   int threads = 2;
   lod::RefineOptions refine;
-  std::optional<std::filesystem::path> dump;  ///< each frame as binary PLY + camera JSON
-  DrawDepth draw_depth;                       ///< draws the pictures; empty = GlPicture
+  std::size_t gpu_memory = std::size_t{1} << 30U;  ///< of GlPicture; the budget is cut to it
+  std::optional<std::filesystem::path> dump;       ///< each frame as binary PLY + camera JSON
+  DrawDepth draw_depth;                            ///< draws the pictures; empty = GlPicture
   std::function<void(double done)> progress;
 };
 
 /// DESIGN.md section 5, `verify --json`. Pixels unless named otherwise.
 struct VerifyReport {
-  lod::Claims claims;
+  lod::Claims claims;  ///< at max_tolerance_px
   int frames = 0;
   double tolerance_px = 0;
   double max_error_px = 0, p999_error_px = 0, max_error_angular_px = 0;
@@ -42,7 +43,13 @@ struct VerifyReport {
   std::uint64_t undrawn_posts = 0;  ///< counted posts in the viewport that no triangle covers
   double mean_triangles = 0;
   std::uint64_t max_triangles = 0;
-  double achieved_error_px = 0;  ///< the engine's own worst bound
+  std::uint64_t max_vertex_bytes = 0;  ///< of the blocks and vertices that a list names
+  int over_budget_frames = 0;          ///< more than the budget, or coarser with none
+  double max_tolerance_px = 0;         ///< the largest that the engine used
+  double achieved_error_px = 0;        ///< the engine's own worst bound
+  /// Frames whose error is beyond the claim at the tolerance that they used, or beyond the engine's
+  /// own bound.
+  int broken_bounds = 0;
   double seconds = 0;
   bool holds() const;  ///< every claim is kept
 };

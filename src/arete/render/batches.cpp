@@ -26,21 +26,36 @@ bool is_appended(const DrawList& list, BlockKey key) {
 
 }  // namespace
 
+std::uint64_t Batches::overhead(std::uint64_t batches) {
+  const std::uint64_t each = sizeof(DrawFactors) + sizeof(DrawCommand) + BlockArena::kGranule;
+  return batches * each + 2 * factor_alignment() + 4 * BlockArena::kGranule;
+}
+
 void Batches::place(const DrawList& list, const BlockSource& blocks, Morph morph,
                     BlockArena& arena) {
   list_ = &list;
   blocks_ = &blocks;
+  arena.begin_frame();
+  update_appended(list, blocks, arena);
+  touch(list, blocks, arena);
+  if (!place_all(list, morph, Spare::Leave, arena)) {
+    // Blocks that other frames left in between may cut the room into pieces: all anew, in a row.
+    arena.clear();
+    place_all(list, morph, Spare::None, arena);
+  }
+  if (!factors_.empty()) send(arena);
+}
+
+// False when something did not fit.
+bool Batches::place_all(const DrawList& list, Morph morph, Spare spare, BlockArena& arena) {
   triangles_.clear();
   strips_.clear();
   factors_.clear();
   dropped_ = list.batches.size();
-  arena.begin_frame();
-  if (list.batches.empty()) return;
-  update_appended(list, blocks, arena);
-  touch(list, blocks, arena);
-  if (!reserve(list, arena)) return;
+  if (list.batches.empty()) return true;
+  if (!reserve(list, arena)) return false;
   for (const DrawBatch& batch : list.batches) {
-    const auto vertices = vertices_of(batch, arena);
+    const auto vertices = vertices_of(batch, spare, arena);
     const auto indices = vertices ? indices_of(batch, arena) : std::nullopt;
     if (!indices) continue;
     --dropped_;
@@ -52,6 +67,10 @@ void Batches::place(const DrawList& list, const BlockSource& blocks, Morph morph
     (batch.topology == Topology::Strip ? strips_ : triangles_).push_back(command);
     factors_.push_back(factors_of(batch, morph));
   }
+  return dropped_ == 0;
+}
+
+void Batches::send(BlockArena& arena) {
   arena.write(factors_offset_, std::as_bytes(std::span(factors_)));
   arena.write(commands_offset_, std::as_bytes(std::span(triangles_)));
   arena.write(commands_offset_ + triangles_.size() * sizeof(DrawCommand),
@@ -89,12 +108,14 @@ bool Batches::reserve(const DrawList& list, BlockArena& arena) {
   return true;
 }
 
-std::optional<std::uint64_t> Batches::vertices_of(const DrawBatch& batch, BlockArena& arena) {
+std::optional<std::uint64_t> Batches::vertices_of(const DrawBatch& batch, Spare spare,
+                                                  BlockArena& arena) {
   if (batch.vertices == kOwnBlock) return own_vertices_;
   const BlockName name{blocks_, batch.vertices, BlockKind::Vertices};
   if (const auto held = arena.find(name)) return held;
   const auto bytes = std::as_bytes(blocks_->vertices(batch.vertices));
-  return arena.add(name, bytes, is_appended(*list_, batch.vertices) ? bytes.size() / 2 : 0);
+  const bool grows = spare == Spare::Leave && is_appended(*list_, batch.vertices);
+  return arena.add(name, bytes, grows ? bytes.size() / 2 : 0);
 }
 
 std::optional<std::uint64_t> Batches::indices_of(const DrawBatch& batch, BlockArena& arena) {

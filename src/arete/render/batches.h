@@ -29,7 +29,11 @@ enum class Morph { On, Off };
 /// A DrawList's batches, placed in the arena for one frame. Keeps its memory between frames.
 class Batches {
  public:
-  /// Uploads what the arena does not hold yet. Batches that do not fit are left out and counted.
+  /// Bytes of a list of `batches` batches beside its vertices and indices, at most, and what the
+  /// arena's alignment may cost.
+  static std::uint64_t overhead(std::uint64_t batches);
+  /// Uploads what the arena does not hold yet. Batches that do not fit are left out and counted;
+  /// none is whose vertices, indices and overhead together fit.
   void place(const DrawList& list, const BlockSource& blocks, Morph morph, BlockArena& arena);
   /// One indirect call a topology. Requires: place() of this frame, a bound vertex array.
   void draw(const BlockArena& arena) const;
@@ -42,10 +46,13 @@ class Batches {
   std::uint64_t dropped() const { return dropped_; }
 
  private:
+  enum class Spare { Leave, None };  // room behind a block that grows
+  bool place_all(const DrawList& list, Morph morph, Spare spare, BlockArena& arena);
+  void send(BlockArena& arena);
   void update_appended(const DrawList& list, const BlockSource& blocks, BlockArena& arena);
   void touch(const DrawList& list, const BlockSource& blocks, BlockArena& arena);
   bool reserve(const DrawList& list, BlockArena& arena);
-  std::optional<std::uint64_t> vertices_of(const DrawBatch& batch, BlockArena& arena);
+  std::optional<std::uint64_t> vertices_of(const DrawBatch& batch, Spare spare, BlockArena& arena);
   std::optional<std::uint64_t> indices_of(const DrawBatch& batch, BlockArena& arena);
 
   const DrawList* list_ = nullptr;

@@ -47,10 +47,14 @@ bool BlockArena::allocate(std::uint64_t bytes) {
 }
 
 void BlockArena::begin_frame() {
-  for (const Stream& s : streams_) allocator_.give(s.first, s.granules);
-  streams_.clear();
+  give_streams();
   bytes_uploaded_ = 0;
   ++frame_;
+}
+
+void BlockArena::give_streams() {
+  for (const Stream& s : streams_) allocator_.give(s.first, s.granules);
+  streams_.clear();
 }
 
 std::optional<std::uint64_t> BlockArena::find(const BlockName& name) {
@@ -113,6 +117,11 @@ void BlockArena::forget(const BlockSource* source) {
     if (source == nullptr || block->name.source == source) drop(block);
     block = next;
   }
+}
+
+void BlockArena::clear() {
+  forget(nullptr);
+  give_streams();
 }
 
 bool BlockArena::make_room(std::uint64_t granules) {

@@ -51,9 +51,12 @@ class BlockArena {
   void write(std::uint64_t offset, std::span<const std::byte> bytes);
   /// Drops every block of the source, or all when it is null.
   void forget(const BlockSource* source);
+  /// Drops everything, the frame's streams too: what is added next lies without gaps.
+  void clear();
 
   GLuint buffer() const { return buffer_.get(); }
   std::uint64_t capacity() const { return allocator_.size() * kGranule; }
+  std::uint64_t cap() const { return cap_granules_ * kGranule; }
   std::uint64_t bytes_held() const { return allocator_.taken() * kGranule; }
   std::uint64_t bytes_uploaded() const { return bytes_uploaded_; }  ///< since begin_frame
 
@@ -76,6 +79,7 @@ class BlockArena {
   bool grow(std::uint64_t granules);
   bool evict_oldest();
   void drop(Blocks::iterator block);
+  void give_streams();
   bool allocate(std::uint64_t bytes);
 
   std::uint64_t cap_granules_;

@@ -69,6 +69,11 @@ int Frame::height() const {
   return impl_->height;
 }
 
+std::uint64_t Frame::bytes(int width, int height) {
+  constexpr std::uint64_t kPixel = 4 + 4;  // RGBA8, D32F
+  return kPixel * static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+}
+
 unsigned Frame::framebuffer() const {
   return impl_->framebuffer.get();
 }

@@ -125,7 +125,7 @@ struct Renderer::Impl {
   Impl(const Land& l, std::size_t gpu_memory)
       : land(l),
         tint(make_tint(l.body, l.z_min, l.z_max)),
-        arena(gpu_memory - make_clipmaps(gpu_memory)) {
+        arena(gpu_memory - kTintBytes - make_clipmaps(gpu_memory)) {
     glNamedBufferStorage(frame_buffer.get(), sizeof frame, nullptr, GL_DYNAMIC_STORAGE_BIT);
   }
 
@@ -250,7 +250,7 @@ struct Renderer::Impl {
     stats.draws = batches.count();
     stats.dropped_batches = batches.dropped();
     stats.bytes_uploaded = arena.bytes_uploaded();
-    stats.gpu_bytes = arena.bytes_held();
+    stats.gpu_bytes = arena.capacity() + kTintBytes;
     for (const auto& c : clipmaps) stats.gpu_bytes += c ? c->bytes() : 0;
   }
 };
@@ -273,6 +273,12 @@ Renderer::~Renderer() = default;
 
 const DrawStats& Renderer::stats() const {
   return impl_->stats;
+}
+
+std::uint64_t Renderer::vertex_room(std::uint64_t index_bytes, std::uint64_t batches) const {
+  const std::uint64_t rest = index_bytes + Batches::overhead(batches);
+  const std::uint64_t cap = impl_->arena.cap();
+  return cap > rest ? cap - rest : 0;
 }
 
 void Renderer::forget(const BlockSource& blocks) {

@@ -61,7 +61,8 @@ class Frame {
   Frame& operator=(const Frame&) = delete;
   int width() const;
   int height() const;
-  unsigned framebuffer() const;  ///< GL name, for blitting to a window
+  static std::uint64_t bytes(int width, int height);  ///< that such a frame takes on the GPU
+  unsigned framebuffer() const;                       ///< GL name, for blitting to a window
   /// width*height*3 bytes, top row first.
   std::vector<std::uint8_t> read_rgb() const;
   /// width*height depths, top row first: 1 at the near plane, 0 = nothing drawn. Distance along the
@@ -76,7 +77,7 @@ class Frame {
 struct DrawStats {
   std::uint64_t triangles = 0, draws = 0;  ///< handed to GL, a strip's degenerate ones too
   std::uint64_t bytes_uploaded = 0;        ///< vertices, indices, factors and draw records
-  std::uint64_t gpu_bytes = 0;             ///< blocks and textures held
+  std::uint64_t gpu_bytes = 0;             ///< buffer for blocks, and textures
   std::uint64_t dropped_batches = 0;       ///< did not fit gpu_memory
   std::uint64_t texture_tiles = 0;         ///< read by this frame
 };
@@ -84,7 +85,8 @@ struct DrawStats {
 /// Draws any DrawList. Requires: a current OpenGL 4.5 context for the whole life of the object.
 class Renderer {
  public:
-  /// gpu_memory: hard cap on vertex, index and texture bytes. Throws: Limit, Unsupported.
+  /// gpu_memory: hard cap on the bytes of buffers and textures, those of Frames not counted.
+  /// Throws: Limit, Unsupported.
   explicit Renderer(const Land& land, std::size_t gpu_memory = std::size_t{1} << 30U);
   ~Renderer();
   Renderer(const Renderer&) = delete;
@@ -94,6 +96,9 @@ class Renderer {
             Frame& frame);
   /// Of the latest draw.
   const DrawStats& stats() const;
+  /// Bytes of vertices (and of indices made for the view) that a list of at most `batches` batches
+  /// may name beside `index_bytes` of index blocks so that all is drawn; 0 when there is no room.
+  std::uint64_t vertex_room(std::uint64_t index_bytes, std::uint64_t batches) const;
   /// Frees the blocks that were uploaded from the source. Blocks are known by source and key: call
   /// it before an engine dies that this renderer has drawn, for another may be made at its address.
   void forget(const BlockSource& blocks);

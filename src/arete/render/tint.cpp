@@ -12,8 +12,6 @@
 namespace arete::render {
 namespace {
 
-constexpr int kTexels = 1024;
-
 struct Stop {
   double at;
   glm::dvec3 rgb;  // display values, 0..255
@@ -61,8 +59,6 @@ double top_of_ramp(double z_max) {
   return 0.66 + 0.34 * glm::smoothstep(900.0, 2600.0, z_max);
 }
 
-constexpr int kGrainSize = 256;
-
 // A hash of the lattice point, 0..1.
 double lattice(int x, int y, int cells) {
   const auto period = static_cast<std::uint32_t>(cells);
@@ -100,8 +96,8 @@ Tint make_tint(Body body, double z_min, double z_max) {
   const double sea = has_sea ? -z_min / range : 0;
   const double top = body == Body::Earth ? top_of_ramp(z_max) : 1;
   std::vector<std::uint8_t> texels;
-  for (int i = 0; i < kTexels; ++i) {
-    const double t = (i + 0.5) / kTexels;
+  for (int i = 0; i < kTintTexels; ++i) {
+    const double t = (i + 0.5) / kTintTexels;
     const glm::dvec3 c = has_sea && t < sea ? colour_at(kSea, t / sea)
                                             : colour_at(ramp(body), (t - sea) / (1 - sea) * top);
     for (int k = 0; k < 3; ++k) texels.push_back(static_cast<std::uint8_t>(std::lround(c[k])));
@@ -109,8 +105,8 @@ Tint make_tint(Body body, double z_min, double z_max) {
   }
   Tint tint{make_texture(GL_TEXTURE_1D), has_sea ? static_cast<float>(sea) : -1.0F};
   const GLuint name = tint.texture.get();
-  glTextureStorage1D(name, 1, GL_SRGB8_ALPHA8, kTexels);
-  glTextureSubImage1D(name, 0, 0, kTexels, GL_RGBA, GL_UNSIGNED_BYTE, texels.data());
+  glTextureStorage1D(name, 1, GL_SRGB8_ALPHA8, kTintTexels);
+  glTextureSubImage1D(name, 0, 0, kTintTexels, GL_RGBA, GL_UNSIGNED_BYTE, texels.data());
   glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   glTextureParameteri(name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);

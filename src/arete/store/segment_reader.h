@@ -17,7 +17,6 @@ namespace arete::store {
 enum class Verify { Pages, Nothing };
 
 /// One opened segment file. Thread contract: safe from several threads at once.
-/// Memory: 40 bytes a block and 8 bytes a page.
 class SegmentReader {
  public:
   /// Checks header, footer, page table, params and directory. `label` names the file in errors.
@@ -36,6 +35,11 @@ class SegmentReader {
   /// Throws: Corrupt, Io.
   std::size_t read(std::uint64_t key, std::vector<std::byte>& raw) const;
 
+  /// Memory that the reader holds: 40 bytes a block and 8 bytes a page.
+  std::uint64_t table_bytes() const {
+    return keys_.size() * sizeof keys_[0] + entries_.size() * sizeof entries_[0] +
+           page_table_.size() * sizeof page_table_[0];
+  }
   std::uint64_t page_count() const { return header_.file_bytes / kPageBytes; }
   /// Verifies pages [first, first + count) of those before the page table; the others were
   /// verified at open. Throws: Corrupt, Io.

@@ -266,6 +266,14 @@ CacheStats Terrain::cache_stats() const {
   return stats;
 }
 
+std::uint64_t Terrain::table_bytes() const {
+  constexpr std::uint64_t kThreads = 2;
+  constexpr std::uint64_t kCopies = 3;  // pages as read, counts as stored, the tile
+  std::uint64_t bytes = kThreads * kCopies * kDecodedTileBytes;
+  for (const auto& segment : impl_->segments) bytes += segment->table_bytes();
+  return bytes;
+}
+
 std::uint64_t Terrain::check_all(const std::function<void(double)>& progress) const {
   std::uint64_t total = 0;
   for (const auto& segment : impl_->segments) total += segment->page_count();

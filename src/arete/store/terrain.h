@@ -127,6 +127,9 @@ class Terrain {
   /// as the cache holds are taken.
   void prefetch(std::span<const TileId> tiles) const;
   CacheStats cache_stats() const;
+  /// Memory beside the cache: the segments' directories, and what the caller's and the prefetch
+  /// thread have in hand while they read a tile each.
+  std::uint64_t table_bytes() const;
 
   /// Reads and verifies every page of every segment. Returns the number of pages.
   /// Throws: Corrupt at the first bad page, naming segment and page.

@@ -48,8 +48,8 @@ float error_m(const Findings& found) {
 }
 
 void report(const Ground& ground, const Findings& found, RefineStats& stats) {
-  stats.pages_touched = ground.page_counts().touched;
-  stats.pages_read = ground.page_counts().faults;
+  stats.pages_touched = ground.pages().counts().touched;
+  stats.pages_read = ground.pages().counts().faults;
   stats.triangles = found.halved + 4;
   stats.visited_nodes = found.visited;
   stats.evaluated_vertices = found.evaluated;

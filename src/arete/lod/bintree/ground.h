@@ -16,7 +16,7 @@ class Ground {
   Ground(const store::Terrain& terrain, const RecordPages::Options& options);
 
   RecordPages& pages() { return pages_; }
-  const PageCounts& page_counts() const { return pages_.counts(); }
+  const RecordPages& pages() const { return pages_; }
   const Domain& domain() const { return pages_.domain(); }
   /// False for a terrain without a drawable cell: nothing is drawn then.
   bool has_cells() const { return cells_ > 0; }

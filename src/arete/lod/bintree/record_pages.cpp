@@ -60,6 +60,11 @@ void RecordPages::read_maxima() {
                          [](Code code) { return static_cast<double>(value(code)); });
 }
 
+std::uint64_t RecordPages::table_bytes() const {
+  return slots_ * kRecordPageBytes + leaf_memory_.size() * sizeof(Leaf) +
+         leaves_.size() * sizeof leaves_[0] + holders_.size() * sizeof holders_[0] + asked_.size();
+}
+
 void RecordPages::index_pages() {
   empty_leaf_ = std::make_unique<Leaf>();
   empty_leaf_->fill({kZeroPage.data(), 0, kNoKey});

@@ -84,6 +84,8 @@ class RecordPages {
   void prefetch(std::span<const std::uint64_t> pages);
 
   const PageCounts& counts() const { return counts_; }
+  /// Memory held from opening on: the budget's pages, as many as are stored, and what finds them.
+  std::uint64_t table_bytes() const;
 
  private:
   /// A page of the index space.

@@ -51,7 +51,9 @@ class SmartEngine final : public Engine {
     claims.conforming = is_exact();
     return claims;
   }
-  Footprint footprint() const override { return {.batches = 1, .least = least_budget()}; }
+  Footprint footprint() const override {
+    return {.table_bytes = ground_.pages().table_bytes(), .batches = 1, .least = least_budget()};
+  }
 
   std::span<const Vertex> vertices(BlockKey) const override { return vertices_.drawn(); }
   std::span<const std::uint32_t> indices(BlockKey) const override { return {}; }

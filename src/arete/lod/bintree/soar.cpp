@@ -114,7 +114,9 @@ class SoarEngine final : public Engine {
     const bool bounded = delta_ == Delta::Exact && sharper_ == 1;
     return claims_of(options, bounded ? Bounded::Yes : Bounded::No);
   }
-  Footprint footprint() const override { return {.batches = 1, .least = least_budget()}; }
+  Footprint footprint() const override {
+    return {.table_bytes = ground_.pages().table_bytes(), .batches = 1, .least = least_budget()};
+  }
 
   // Everything that it draws is in the list.
   std::span<const Vertex> vertices(BlockKey) const override { return {}; }
