@@ -79,6 +79,25 @@ TEST(ScreenError, PixelsInvertsAllowed) {
   EXPECT_NEAR(e.pixels(e.allowed_m(500), 500), 2, 1e-9);
 }
 
+TEST(ScreenError, CoarserSaysWhatItKeeps) {
+  for (const double pitch : {0.0, -0.7, -1.5}) {
+    const ScreenError asked(make_view({.pitch = pitch}, 800, 600), 2);
+    for (const double times : {1.0, 1.5, 7.9}) {
+      const ScreenError e = asked.coarser(times);
+      for (const double distance : {0.0, 3.0, 500.0, 1e9}) {
+        EXPECT_NEAR(e.allowed_m(distance), times * asked.allowed_m(distance), 1e-9 * distance);
+        EXPECT_NEAR(e.tolerance_px(distance), e.tolerance_px(500), 1e-9);
+      }
+      EXPECT_NEAR(e.pixels(e.allowed_m(500), 500), e.tolerance_px(500), 1e-9);
+      EXPECT_GE(e.tolerance_px(500), 2 * times * (1 - 1e-9));
+    }
+    // Beyond, what is near is given up: any error is allowed anywhere, and no bound is left there.
+    const ScreenError e = asked.coarser(1e4);
+    EXPECT_GT(e.allowed_m(0), 1e6);
+    EXPECT_TRUE(std::isinf(e.tolerance_px(0)));
+  }
+}
+
 TEST(ScreenError, UprightNeverExceedsRigorous) {
   for (double pitch = -1.5; pitch <= 1.5; pitch += 0.1) {
     const View v = make_view({.pitch = pitch}, 800, 600);

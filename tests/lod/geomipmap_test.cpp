@@ -102,6 +102,29 @@ TEST_F(Geomipmap, FullUnderABudgetIsThisMethod) {
   EXPECT_GT(compared, 20);
 }
 
+TEST_F(Geomipmap, InsideABoxAFrameStillNamesItsTolerance) {
+  const auto engine = geomipmap::open(*opened_, {{"patch", "17"}});
+  const auto ground = [&](Post post) { return double{terrain_.dem()[post]}; };
+  DrawList list;
+  int capped = 0;
+  for (int k = 0; k < 24; ++k) {
+    const Post post{20 + 9 * k, 20 + 6 * k};
+    if (!terrain_.dem().valid(post)) continue;
+    const glm::dvec2 plan = terrain_.dem().georef().world_from_post.apply(post.col, post.row);
+    const View view = make_view({.eye = {plan, ground(post) + 20}, .yaw = 0.3 * k}, 320, 240);
+    RefineOptions options;
+    engine->refine(view, options, list);
+    options.budget.triangles =
+        std::max(list.stats.triangles * 95 / 100, engine->footprint().least.triangles);
+    engine->refine(view, options, list);
+    if (list.stats.triangles > options.budget.triangles) ADD_FAILURE();
+    EXPECT_GE(list.stats.tolerance_px, options.tolerance_px);
+    EXPECT_LE(list.stats.achieved_error_px, list.stats.tolerance_px * (1 + 1e-4));
+    capped += list.stats.tolerance_px > 1 ? 1 : 0;
+  }
+  EXPECT_GT(capped, 3);
+}
+
 TEST_F(Geomipmap, RefusesUnknownOptions) {
   EXPECT_THROW(geomipmap::open(*opened_, {{"pach", "17"}}), Error);
   EXPECT_THROW(geomipmap::open(*opened_, {{"patch", "18"}}), Error);

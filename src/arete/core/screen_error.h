@@ -31,7 +31,10 @@ class ScreenError {
   /// tau D / (alpha + s tau), solved from alpha delta / (D - s delta) = tau.
   double allowed_m(double distance_m) const { return slope_ * std::max(distance_m, nearest_m_); }
   /// The tolerance that allowed_m keeps at distance D and beyond; infinite when there is none.
-  double tolerance_px(double distance_m) const { return pixels(allowed_m(distance_m), distance_m); }
+  double tolerance_px(double distance_m) const {
+    // Far enough, distance cancels; and at 0 it must.
+    return distance_m >= nearest_m_ ? pixels(slope_, 1) : pixels(allowed_m(distance_m), distance_m);
+  }
   /// Allows `times` as much at every distance. Beyond kNearTimes also as if nothing
   /// were nearer than a distance that grows from 0 without bound: so enough `times` allow any error
   /// anywhere, even where the eye is inside a box. Moves allowed_m by at most
