@@ -32,6 +32,7 @@ BinTree::Triangle BinTree::root(std::size_t i) const {
 Findings BinTree::refine(const Frame& frame) {
   frame_ = &frame;
   findings_ = {};
+  pages_ahead_.clear();
   indices_.begin();
   std::array<std::uint32_t, kRoots> counts;
   for (std::uint32_t i = 0; i < kRoots; ++i) counts[i] = nodes_[i].indices;
@@ -54,37 +55,54 @@ void BinTree::visit(std::uint32_t node, const Triangle& t, Before before) {
     return;
   }
   ++findings_.visited;
-  const bool there = find_status(n, t);
-  if (there && vertices_.live(n.vertex).active()) {
-    draw_halves(node, t, before);
-  } else {
-    draw_whole(n, t, before);
-    if (!there) mark_late(n, t);
+  const Status status = status_of(n, t, before);
+  if (status == Status::Halved) return draw_halves(node, t, before);
+  draw_whole(n, t, before);
+  if (status == Status::Late) count_late(t);
+}
+
+// A node remembers how long its vertex's status lasts, so those on the way to a change look at
+// nothing else.
+BinTree::Status BinTree::status_of(Node& node, const Triangle& t, Before before) {
+  if (before.drawn && !frame_->figure_6 && alive(frame_->odometer.now(), node.own))
+    return node.halved ? Status::Halved : Status::Whole;
+  const bool there = find_vertex(node, t);
+  const LiveVertex* vertex = there ? &vertices_.live(node.vertex) : nullptr;
+  node.own = there ? vertex->until : Ticks{};
+  node.own_delta = there ? vertex->record.delta : Code{0};
+  if (!there) return Status::Late;
+  if (vertex->active()) return Status::Halved;
+  if (vertex->visible && t.levels > 1) look_ahead(t);
+  return Status::Whole;
+}
+
+// A range that just ended and left the triangle whole is a short one again: it may be halved soon.
+void BinTree::look_ahead(const Triangle& t) {
+  if (frame_->rule.options.on_missing != OnMissing::Defer) return;
+  for (const VertexIndex child : {left_child(t.p, t.g), right_child(t.p, t.g)}) {
+    const std::uint64_t page = RecordPages::page_of(child);
+    if (pages_ahead_.empty() || pages_ahead_.back() != page) pages_ahead_.push_back(page);
   }
 }
 
-// False when the vertex is not there.
-bool BinTree::find_status(Node& node, const Triangle& t) {
+// Brings the vertex's status up to date. False when the vertex or an ancestor is not there.
+bool BinTree::find_vertex(Node& node, const Triangle& t) {
   if (node.vertex == VertexArray::kNone) {
     node.vertex =
         vertices_.acquire(t.g, middle_of(vertices_.post(t.left), vertices_.post(t.right)));
     if (node.vertex == VertexArray::kNone) return false;
   }
-  LiveVertex& vertex = vertices_.live(node.vertex);
+  const LiveVertex& vertex = vertices_.live(node.vertex);
   const bool dead = !alive(frame_->odometer.now(), vertex.until);
   // "If v's bounding sphere overlaps the view volume and d_tau is not negative, d_c is
   // re-evaluated [...] when v is not completely within" [BaoPajarolaShafae2004, 4.4 and Figure 6]:
   // by the flags from before the rotation.
   const bool doubted = frame_->figure_6 && vertex.selected && vertex.visible && !vertex.inside;
-  if (dead || doubted) {
-    evaluate(node.vertex);
-    // A vertex without all its ancestors counts as missing.
-    if (vertex.selected && vertex.visible && !vertices_.root(node.vertex)) {
-      vertices_.live(node.vertex).until = {};
-      return false;
-    }
-  }
-  return true;
+  if (!dead && !doubted) return true;
+  evaluate(node.vertex);
+  if (!vertex.selected || !vertex.visible || vertices_.root(node.vertex)) return true;
+  vertices_.live(node.vertex).until = {};
+  return false;
 }
 
 void BinTree::evaluate(std::uint32_t slot) {
@@ -105,15 +123,11 @@ void BinTree::draw_whole(Node& node, const Triangle& t, Before before) {
   }
   node.indices = 3;
   node.halved = false;
-  if (node.vertex == VertexArray::kNone) return;
-  const LiveVertex& vertex = vertices_.live(node.vertex);
-  node.until = vertex.until;
-  node.delta = vertex.record.delta;
+  node.until = node.own;
+  node.delta = node.own_delta;
 }
 
-void BinTree::mark_late(Node& node, const Triangle& t) {
-  node.until = {};
-  node.delta = 0;
+void BinTree::count_late(const Triangle& t) {
   findings_.add_late(frame_->rule, vertices_.ball(t.apex),
                      ground_.pages().delta_max(ground_.domain().depths() - t.levels));
 }
@@ -126,7 +140,7 @@ void BinTree::draw_last_halves(Node& node, const Triangle& t, Before before) {
     indices_.triangle(node.vertex, t.apex, t.left);
     indices_.triangle(node.vertex, t.right, t.apex);
   }
-  node.until = vertices_.live(node.vertex).until;
+  node.until = node.own;
   node.indices = 6;
   node.delta = 0;
   node.halved = true;
@@ -135,7 +149,6 @@ void BinTree::draw_last_halves(Node& node, const Triangle& t, Before before) {
 void BinTree::draw_halves(std::uint32_t node, const Triangle& t, Before before) {
   if (t.levels == 1) return draw_last_halves(nodes_[node], t, before);
   const std::uint32_t middle = nodes_[node].vertex;
-  const Ticks own = vertices_.live(middle).until;
   const std::uint32_t child = children_of(node);
   const bool drawn = before.drawn && nodes_[node].halved;
   const std::uint32_t right_at = before.at + nodes_[child].indices;
@@ -146,7 +159,7 @@ void BinTree::draw_halves(std::uint32_t node, const Triangle& t, Before before) 
   const Node& left = nodes_[child];
   const Node& right = nodes_[child + 1];
   Node& n = nodes_[node];
-  n.until = earlier(own, earlier(left.until, right.until));
+  n.until = earlier(n.own, earlier(left.until, right.until));
   n.indices = left.indices + right.indices;
   n.delta = std::max(left.delta, right.delta);
   n.halved = true;

@@ -38,6 +38,10 @@ class BinTree {
   Findings refine(const Frame& frame);
   std::span<const std::uint32_t> indices() const { return indices_.all(); }
 
+  /// Pages of vertices that the next frames may ask for: below what is drawn whole and whose range
+  /// ended in this frame. Kept under OnMissing::Defer only.
+  std::span<const std::uint64_t> pages_ahead() const { return pages_ahead_; }
+
   /// The next frame visits every node.
   void forget_triangles() { fresh_ = true; }
   /// Keeps the nodes of the latest frame, in depth-first order, and their vertices. Doubles the
@@ -53,8 +57,10 @@ class BinTree {
     std::uint32_t child = 0;  ///< the left one; the right one follows; 0 = none yet
     std::uint32_t vertex = VertexArray::kNone;  ///< that halves it
     Ticks until{};                              ///< least of the subtree drawn
+    Ticks own{};                                ///< of its vertex alone, when last looked at
     std::uint32_t indices = 0;                  ///< drawn
     Code delta = 0;                             ///< largest of the triangles drawn whole
+    Code own_delta = 0;                         ///< of its vertex
     bool halved = false;
   };
   /// A node's triangle: apex p, base from left to right, halved by g.
@@ -70,10 +76,14 @@ class BinTree {
   };
 
   void visit(std::uint32_t node, const Triangle& t, Before before);
-  bool find_status(Node& node, const Triangle& t);
+  /// What a frame makes of a triangle.
+  enum class Status { Halved, Whole, Late };
+  Status status_of(Node& node, const Triangle& t, Before before);
+  bool find_vertex(Node& node, const Triangle& t);
   void draw_whole(Node& node, const Triangle& t, Before before);
   void draw_last_halves(Node& node, const Triangle& t, Before before);
-  void mark_late(Node& node, const Triangle& t);
+  void count_late(const Triangle& t);
+  void look_ahead(const Triangle& t);
   void draw_halves(std::uint32_t node, const Triangle& t, Before before);
   void evaluate(std::uint32_t slot);
   std::uint32_t children_of(std::uint32_t node);
@@ -86,6 +96,7 @@ class BinTree {
   std::size_t capacity_;
   std::vector<Node> nodes_, old_nodes_;
   IndexList indices_;
+  std::vector<std::uint64_t> pages_ahead_;
   Findings findings_;
   const Frame* frame_ = nullptr;
   bool fresh_ = true;

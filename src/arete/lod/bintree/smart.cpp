@@ -43,6 +43,7 @@ class SmartEngine final : public Engine {
                            .error = error_m(found)});
     report(ground_, found, out.stats);
     report_vertices(out);
+    if (options.on_missing == OnMissing::Defer) prefetch();
   }
 
   Claims claims(const RefineOptions& options) const override {
@@ -100,6 +101,15 @@ class SmartEngine final : public Engine {
     return tree_.refine({rule, odometer_, evaluation, options_.literal && odometer_.turned()});
   }
 
+  // What is missing now, then what may be asked for soon.
+  void prefetch() {
+    const auto missing = vertices_.missing_pages();
+    const auto ahead = tree_.pages_ahead();
+    wanted_.assign(missing.begin(), missing.end());
+    wanted_.insert(wanted_.end(), ahead.begin(), ahead.end());
+    ground_.pages().prefetch(wanted_);
+  }
+
   void report_vertices(DrawList& out) {
     const bool renewed = vertices_.key() != uploaded_key_;
     const auto first = renewed ? 0 : uploaded_;
@@ -118,6 +128,7 @@ class SmartEngine final : public Engine {
   BinTree tree_;
   Odometer odometer_;
   bool culled_ = true, bound_ = false;
+  std::vector<std::uint64_t> wanted_;
   BlockKey uploaded_key_ = kOwnBlock;
   std::uint32_t uploaded_ = 0;
 };

@@ -21,6 +21,7 @@ std::uint32_t VertexArray::append(VertexIndex index, Post post, const Record& re
 void VertexArray::begin_frame(OnMissing on_missing) {
   on_missing_ = on_missing;
   if (missing_.size() > 0) missing_.clear();
+  missing_pages_.clear();
 }
 
 std::uint32_t VertexArray::acquire(VertexIndex index, Post post) {
@@ -29,6 +30,7 @@ std::uint32_t VertexArray::acquire(VertexIndex index, Post post) {
   if (const Record* record = ground_.pages().find(index, on_missing_))
     return append(index, post, *record);
   missing_.set(index, 0);
+  missing_pages_.push_back(RecordPages::page_of(index));
   return kNone;
 }
 

@@ -27,6 +27,9 @@ class VertexArray {
   /// True when all ancestors have places too: what an active vertex needs, whatever is missing.
   bool root(std::uint32_t slot);
 
+  /// Pages of the vertices that could not be found in this frame.
+  std::span<const std::uint64_t> missing_pages() const { return missing_pages_; }
+
   LiveVertex& live(std::uint32_t slot) { return live_[slot]; }
   Post post(std::uint32_t slot) const { return drawn_[slot].post; }
   Ball ball(std::uint32_t slot) const {
@@ -53,6 +56,7 @@ class VertexArray {
   std::vector<Vertex> drawn_, old_drawn_;
   std::vector<LiveVertex> live_, old_live_;
   IndexMap slots_, missing_;
+  std::vector<std::uint64_t> missing_pages_;
   BlockKey key_ = 1;
 };
 
