@@ -18,7 +18,17 @@ BinTree::BinTree(Ground& ground, VertexArray& vertices, const Options& options)
       vertices_(vertices),
       reuse_(options.reuse),
       capacity_(options.capacity),
-      nodes_(kRoots) {}
+      nodes_(kRoots) {
+  make_room();
+}
+
+// For the capacity and what one frame may add: so that frames allocate nothing once warm.
+void BinTree::make_room() {
+  const std::size_t nodes = capacity_ + capacity_ / 2;
+  nodes_.reserve(nodes);
+  old_nodes_.reserve(nodes);
+  vertices_.reserve(nodes);
+}
 
 BinTree::Triangle BinTree::root(std::size_t i) const {
   const RootTriangle& r = kRootTriangles[i];
@@ -180,8 +190,10 @@ void BinTree::collect() {
   for (std::uint32_t i = 0; i < kRoots; ++i) keep_subtree(i, i, kCentre, kRootTriangles[i].middle);
   vertices_.end_collection();
   old_nodes_.clear();
-  if (2 * nodes_.size() > capacity_) capacity_ *= 2;
   fresh_ = true;
+  if (2 * nodes_.size() <= capacity_) return;
+  capacity_ *= 2;
+  make_room();
 }
 
 void BinTree::keep_subtree(std::uint32_t from, std::uint32_t to, VertexIndex p, VertexIndex g) {

@@ -87,6 +87,7 @@ class BinTree {
   void draw_halves(std::uint32_t node, const Triangle& t, Before before);
   void evaluate(std::uint32_t slot);
   std::uint32_t children_of(std::uint32_t node);
+  void make_room();
   void keep_subtree(std::uint32_t from, std::uint32_t to, VertexIndex p, VertexIndex g);
   Triangle root(std::size_t i) const;
 

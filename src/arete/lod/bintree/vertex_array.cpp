@@ -10,6 +10,13 @@ VertexArray::VertexArray(Ground& ground) : ground_(ground) {
   for (LiveVertex& v : live_) v.rooted = true;
 }
 
+void VertexArray::reserve(std::size_t vertices) {
+  drawn_.reserve(vertices);
+  old_drawn_.reserve(vertices);
+  live_.reserve(vertices);
+  old_live_.reserve(vertices);
+}
+
 std::uint32_t VertexArray::append(VertexIndex index, Post post, const Record& record) {
   const auto slot = static_cast<std::uint32_t>(drawn_.size());
   drawn_.push_back({.post = post, .z = static_cast<float>(ground_.z_of(record))});

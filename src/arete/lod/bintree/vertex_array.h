@@ -19,6 +19,8 @@ class VertexArray {
   static constexpr std::uint32_t kCentreSlot = 0, kFirstCornerSlot = 1;
 
   explicit VertexArray(Ground& ground);
+  /// Takes the memory for so many vertices, and for as many kept by a collection.
+  void reserve(std::size_t vertices);
 
   /// Vertices that could not be found are looked for again.
   void begin_frame(OnMissing on_missing);
