@@ -5,7 +5,9 @@
 #include <numbers>
 #include <random>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "arete/core/error.h"
 
@@ -111,9 +113,12 @@ TEST(Path, IsClampedToItsEnds) {
 class PathFile : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::path(::testing::TempDir()) / "arete_path";
+    const auto* const test = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::path(::testing::TempDir()) /
+              fmt::format("arete_path_{}_{}", test->name(), ::getpid());
     std::filesystem::create_directories(folder_);
   }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
   std::filesystem::path write(const std::string& text) const {
     const auto file = folder_ / "p.json";
     std::ofstream(file) << text;

@@ -1,4 +1,5 @@
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <fstream>
@@ -364,15 +365,20 @@ TEST(Publish, ReadersOpenTheOldOrTheNewStore) {
     build(field, options, {});
     ids.push_back(Terrain::open(options.output)->manifest().id);
   }
-  std::jthread writer([&](const std::stop_token& stop) {
-    while (!stop.stop_requested())
+  std::atomic<bool> done = false;
+  std::jthread writer([&] {
+    for (int i = 0; i < 60; ++i) {
       publish_directory(folder / "b.arete", folder / "a.arete", folder / "retired");
+      // No builder is quicker: two exchanges during one open would look like none.
+      std::this_thread::sleep_for(std::chrono::milliseconds(3));
+    }
+    done = true;
   });
   std::map<std::string, int> opened;
-  for (int i = 0; i < 300; ++i)
+  while (!done)
     ++opened[Terrain::open(folder / "a.arete", {.prefetch = false, .open = {}})->manifest().id];
   EXPECT_EQ(opened.size(), 2U);
-  EXPECT_EQ(opened[ids[0]] + opened[ids[1]], 300);
+  EXPECT_TRUE(opened.contains(ids[0]) && opened.contains(ids[1]));
 }
 
 // The same source, killed while it built for a method and built again without it.

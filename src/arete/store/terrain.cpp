@@ -167,13 +167,14 @@ Terrain::~Terrain() = default;
 // there now is opened.
 std::unique_ptr<Terrain> Terrain::open(const std::filesystem::path& store, OpenOptions options) {
   std::unique_ptr<Terrain> terrain(new Terrain());
-  while (true) {
+  // A store that was exchanged twice meanwhile looks as it did: a failure counts the third time.
+  for (int failures = 0; true;) {
     const DirectoryIdentity before = identity_of(store);
     try {
       terrain->impl_ = std::make_unique<Impl>(store, options);
       return terrain;
     } catch (const Error&) {
-      if (identity_of(store) == before) throw;
+      if (identity_of(store) == before && ++failures == 3) throw;
     }
   }
 }
