@@ -29,19 +29,19 @@ int int_param(const Params& params, std::string_view name, int otherwise,
   return value;
 }
 
+void refuse_word(std::string_view name, std::string_view word,
+                 const std::vector<std::string_view>& known) {
+  throw Error(ErrorCode::Usage,
+              fmt::format("{}={}: unknown: use one of {}", name, word, fmt::join(known, ", ")));
+}
+
 bool flag_param(const Params& params, std::string_view name) {
-  const std::string_view text = param(params, name, "false");
-  if (text == "true") return true;
-  if (text == "false") return false;
-  throw Error(ErrorCode::Usage, fmt::format("{}={}: unknown: use true or false", name, text));
+  return choice_param(params, name, false, {{"true", true}, {"false", false}});
 }
 
 Topology topology_param(const Params& params, Topology otherwise) {
-  const std::string_view text = param(params, "topology", "");
-  if (text.empty()) return otherwise;
-  if (text == "list") return Topology::Triangles;
-  if (text == "strip") return Topology::Strip;
-  throw Error(ErrorCode::Usage, fmt::format("topology={}: unknown: use list or strip", text));
+  return choice_param(params, "topology", otherwise,
+                      {{"list", Topology::Triangles}, {"strip", Topology::Strip}});
 }
 
 void check_names(const Params& params, std::initializer_list<std::string_view> known) {

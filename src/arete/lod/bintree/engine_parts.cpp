@@ -2,33 +2,20 @@
 
 #include <limits>
 
-#include <fmt/format.h>
-
-#include "arete/core/error.h"
 #include "arete/lod/params.h"
 
 namespace arete::lod::bintree {
-namespace {
-
-Delta parse_delta(std::string_view text) {
-  if (text == "exact") return Delta::Exact;
-  if (text == "incremental") return Delta::Incremental;
-  throw Error(ErrorCode::Usage, fmt::format("delta={}: unknown: use exact or incremental", text));
+Delta delta_param(const Params& params) {
+  return choice_param(params, "delta", Delta::Exact,
+                      {{"exact", Delta::Exact}, {"incremental", Delta::Incremental}});
 }
-
-Prefetch parse_prefetch(std::string_view text) {
-  if (text == "on") return Prefetch::On;
-  if (text == "off") return Prefetch::Off;
-  throw Error(ErrorCode::Usage, fmt::format("prefetch={}: unknown: use on or off", text));
-}
-
-}  // namespace
 
 RecordPages::Options page_options(const Params& params) {
   const auto pages = static_cast<std::size_t>(int_param(params, "pages", 1 << 16, {1, 1 << 28}));
-  return {.delta = parse_delta(param(params, "delta", "exact")),
+  return {.delta = delta_param(params),
           .budget_bytes = pages * kRecordPageBytes,
-          .prefetch = parse_prefetch(param(params, "prefetch", "on"))};
+          .prefetch = choice_param(params, "prefetch", Prefetch::On,
+                                   {{"on", Prefetch::On}, {"off", Prefetch::Off}})};
 }
 
 Claims claims_of(const RefineOptions& options, Bounded bounded) {

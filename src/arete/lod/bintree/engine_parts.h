@@ -6,6 +6,8 @@
 
 namespace arete::lod::bintree {
 
+/// From the param `delta`; exact by default. Throws: Usage.
+Delta delta_param(const Params& params);
 /// From the params `delta`, `pages` and `prefetch`. Throws: Usage.
 RecordPages::Options page_options(const Params& params);
 

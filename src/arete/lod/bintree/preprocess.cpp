@@ -9,12 +9,12 @@
 #include "arete/core/error.h"
 #include "arete/core/parallel.h"
 #include "arete/lod/bintree/bintree.h"
+#include "arete/lod/bintree/engine_parts.h"
 #include "arete/lod/bintree/own_delta.h"
 #include "arete/lod/bintree/page_codec.h"
 #include "arete/lod/bintree/page_layout.h"
 #include "arete/lod/bintree/post_rows.h"
 #include "arete/lod/bintree/record_grid.h"
-#include "arete/lod/params.h"
 
 namespace arete::lod::bintree {
 namespace {
@@ -191,12 +191,7 @@ void write_records(const store::Terrain& terrain, store::Writers& writers,
 
 void preprocess(const store::Terrain& terrain, store::Writers& writers, const BuildContext& context,
                 const Params& params) {
-  const std::string_view delta = param(params, "delta", "exact");
-  if (delta != "exact" && delta != "incremental")
-    throw Error(ErrorCode::Usage,
-                fmt::format("delta={}: not a measure: use exact or incremental", delta));
-  write_records(terrain, writers, context,
-                {.delta = delta == "exact" ? Delta::Exact : Delta::Incremental});
+  write_records(terrain, writers, context, {.delta = delta_param(params)});
 }
 
 }  // namespace arete::lod::bintree

@@ -2,9 +2,6 @@
 
 #include <cmath>
 
-#include <fmt/format.h>
-
-#include "arete/core/error.h"
 #include "arete/lod/bintree/bin_tree.h"
 #include "arete/lod/bintree/engine_parts.h"
 #include "arete/lod/params.h"
@@ -133,19 +130,6 @@ class SmartEngine final : public Engine {
   std::uint32_t uploaded_ = 0;
 };
 
-Rounding parse_ticks(std::string_view text) {
-  if (text == "exact") return Rounding::Exact;
-  if (text == "ceil") return Rounding::Ceil;
-  if (text == "floor") return Rounding::Floor;
-  throw Error(ErrorCode::Usage, fmt::format("ticks={}: unknown: use exact, ceil or floor", text));
-}
-
-Reuse parse_reuse(std::string_view text) {
-  if (text == "subtrees") return Reuse::Subtrees;
-  if (text == "statuses") return Reuse::Statuses;
-  throw Error(ErrorCode::Usage, fmt::format("reuse={}: unknown: use subtrees or statuses", text));
-}
-
 double spacing_m(const store::Terrain& terrain) {
   return std::sqrt(std::abs(terrain.manifest().georef.world_from_post.determinant()));
 }
@@ -158,9 +142,12 @@ std::unique_ptr<Engine> open_smart(const store::Terrain& terrain, const Params& 
   Options options;
   options.pages = page_options(params);
   options.literal = flag_param(params, "literal");
-  options.rounding = parse_ticks(param(params, "ticks", options.literal ? "floor" : "exact"));
+  options.rounding = choice_param(
+      params, "ticks", options.literal ? Rounding::Floor : Rounding::Exact,
+      {{"exact", Rounding::Exact}, {"ceil", Rounding::Ceil}, {"floor", Rounding::Floor}});
   options.tree.reuse =
-      parse_reuse(param(params, "reuse", options.literal ? "statuses" : "subtrees"));
+      choice_param(params, "reuse", options.literal ? Reuse::Statuses : Reuse::Subtrees,
+                   {{"subtrees", Reuse::Subtrees}, {"statuses", Reuse::Statuses}});
   options.tree.capacity =
       static_cast<std::size_t>(int_param(params, "capacity", 1 << 16, {16, 1 << 28}));
   options.tick_m = 1e-3 * int_param(params, "tick", 20, {1, 1'000'000}) * spacing_m(terrain);
