@@ -104,8 +104,10 @@ expect 0 bench t.arete --methods full,geomipmap --frames 8 --size 160x90 --trian
   --gpu-memory 6M --json
 keys max_triangles terrain_bytes_max resident_bytes_max gpu_bytes_max max_tolerance_px triangles
 within() {  # KEY MOST: every value of the key
-  grep -o "\"$1\": [0-9]*" stdout | while read -r _ value; do ((value <= $2)) || echo over; done | grep -q over &&
-    fault "$1 is above $2"
+  local value
+  for value in $(grep -o "\"$1\": [0-9]*" stdout | grep -o '[0-9]*$'); do
+    ((value <= $2)) || fault "$1 is $value, above $2"
+  done
 }
 within max_triangles 20000
 within terrain_bytes_max $((6 << 20))

@@ -55,6 +55,7 @@ check_kill() {  # WHAT
 check_errno() {  # SYSCALL INDEX FAULT
   local what="$1 $2 $3" code=0
   inject "$1" "$2" "$3" || code=$?
+  ((code == 1)) && refused=$((refused + 1))  # of at_every_call
   if [[ $code == 0 ]]; then  # nothing was lost by it: tried again, or needless
     runs=$((runs + 1))
     same s/t.arete new.arete || fault "$what: exit 0, but not the new store"
@@ -73,13 +74,14 @@ at_every_call() {
   fresh
   strace -f -y -qq -o log "$arete" build new.tif -o s/t.arete --force --quiet --threads 1 ||
     { echo "skipped: system calls: strace may not trace here"; return; }
-  local call index n=0 kind
+  local call index n=0 kind killed=0 refused=0
   for call in openat pwrite64 fallocate fsync rename renameat2 mkdir unlink unlinkat rmdir flock; do
     for index in $(indices $call); do
       for kind in signal=KILL error=ENOSPC error=EIO error=EDQUOT error=EINTR; do
         ((n++ % every == 0)) || continue
         if [[ $kind == signal=KILL ]]; then
           inject $call "$index" $kind 2>/dev/null
+          (($? == 137)) && killed=$((killed + 1))
           check_kill "$call $index killed"
         else
           check_errno $call "$index" $kind
@@ -87,7 +89,9 @@ at_every_call() {
       done
     done
   done
-  echo "system calls: $runs runs of $n points"
+  ((n > 0)) || fault "control: no call touches the store"
+  ((n < every || killed + refused > 0)) || fault "control: no system call was failed"
+  echo "system calls: $runs runs of $n points, $killed killed, $refused refused"
 }
 
 in_box() {  # BWRAP-ARGUMENTS... -- COMMAND

@@ -89,7 +89,12 @@ class FinishedWork {
         in_work_ += name.ends_with(".tmp") ? 1 : 0;
         if (name.ends_with(".unit") || name.ends_with(".seg")) finished_.push_back(name);
       }
-      ::inotify_add_watch(events_, (part / folder).c_str(), IN_MOVED_TO);
+      // A resumed build moves its store into place; one begun anew deletes it, watch and all.
+      const bool is_store = std::string_view(folder) == "store";
+      const int watch = ::inotify_add_watch(events_, (part / folder).c_str(),
+                                            IN_MOVED_TO | (is_store ? IN_DELETE_SELF : 0U));
+      if (watch < 0 && fs::exists(part / folder))
+        throw Error(ErrorCode::Io, "kill9: inotify cannot watch " + (part / folder).string());
     }
   }
   ~FinishedWork() { ::close(events_); }
@@ -104,6 +109,7 @@ class FinishedWork {
     for (ssize_t n = 0; (n = ::read(events_, buffer.data(), buffer.size())) > 0;)
       for (ssize_t at = 0; at < n;) {
         const auto* event = reinterpret_cast<const inotify_event*>(buffer.data() + at);
+        if ((event->mask & IN_DELETE_SELF) != 0) again += static_cast<long>(finished_.size());
         again += event->len > 0 && std::ranges::count(finished_, event->name) > 0 ? 1 : 0;
         at += static_cast<ssize_t>(sizeof(inotify_event) + event->len);
       }
@@ -152,7 +158,9 @@ class Killer {
     fmt::print("readers: {} opened and verified, {} found nothing where nothing was, {} torn\n",
                watch_.opens.load(), watch_.absent.load(), watch_.torn.load());
     // Control: the kills must have met the build at work, in more than its beginning.
-    const bool bites = midway_ > options_.points / 4 && finished_ > 0;
+    // And the readers must have read.
+    const bool bites = midway_ > options_.points / 4 && finished_ > 0 &&
+                       (options_.readers == 0 || watch_.opens > options_.points);
     return wrong_ + resumed_wrong_ + leftovers_ + static_cast<int>(made_again_ + watch_.torn) +
            (bites ? 0 : 1);
   }

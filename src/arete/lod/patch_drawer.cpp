@@ -39,6 +39,7 @@ Footprint PatchDrawer::footprint(const PatchField& field) const {
 }
 
 double PatchDrawer::excess(const PatchField& field, const Budget& budget) const {
+  if (budget == Budget{}) return -1;  // there is room for anything
   std::uint64_t triangles = 0;
   std::uint64_t bytes = 0;
   for (const int p : visible_) {

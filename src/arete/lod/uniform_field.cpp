@@ -26,6 +26,8 @@ UniformField::UniformField(const PatchTable& patches, const UniformTable& table,
 }
 
 void UniformField::look_from(glm::dvec3 eye) {
+  if (eye == eye_) return;
+  eye_ = eye;
   for (int p = 0; p < patches_.size(); ++p) {
     if (!patches_.drawable(p)) continue;
     const glm::dvec3 nearest = glm::clamp(eye, patches_.box_min(p), patches_.box_max(p));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string_view>
 #include <vector>
 
@@ -44,6 +45,7 @@ class UniformField final : public PatchField {
   const UniformTable& table_;
   Sides sides_;
   std::vector<float> level_;
+  glm::dvec3 eye_{std::numeric_limits<double>::quiet_NaN()};
   std::vector<double> distance_;
 };
 

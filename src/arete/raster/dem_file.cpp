@@ -51,7 +51,9 @@ std::size_t SampleFormat::sample_bytes() const {
 DemFile::DemFile(Parts parts) : parts_(std::move(parts)) {
   row_bytes_ = static_cast<std::size_t>(parts_.cols) * parts_.format.sample_bytes();
   block_rows_ = parts_.samples->block_rows();
-  chunk_rows_ = pick_chunk_rows(parts_, block_rows_, row_bytes_);
+  held_row_bytes_ =
+      row_bytes_ + (parts_.samples->masked() ? static_cast<std::size_t>(parts_.cols) : 0);
+  chunk_rows_ = pick_chunk_rows(parts_, block_rows_, held_row_bytes_);
   counted_.resize(static_cast<std::size_t>(parts_.rows));
   survey();
 }
@@ -81,7 +83,7 @@ void DemFile::release() {
 void DemFile::read_in_chunks_of(std::size_t bytes) {
   release();
   parts_.buffer_bytes = bytes;
-  chunk_rows_ = pick_chunk_rows(parts_, block_rows_, row_bytes_);
+  chunk_rows_ = pick_chunk_rows(parts_, block_rows_, held_row_bytes_);
 }
 
 void DemFile::load_chunk_of(int source_row) {

@@ -57,7 +57,7 @@ class DemFile final : public HeightSource {
   void decode_row(int source_row, std::span<float> row);
 
   Parts parts_;
-  std::size_t row_bytes_ = 0;
+  std::size_t row_bytes_ = 0, held_row_bytes_ = 0;  ///< samples; with their mask
   int block_rows_ = 1, chunk_rows_ = 1;
   int loaded_first_ = 0, loaded_rows_ = 0;
   std::vector<std::byte> buffer_, mask_;

@@ -35,6 +35,10 @@ void PageThread::run(const std::stop_token& stop) {
       if (!more_.wait(lock, stop, [this] { return next_ < waiting_.size(); })) return;
       if (stop.stop_requested()) return;
       read = waiting_[next_++];
+      if (next_ == waiting_.size()) {  // all taken: the queue never outgrows what waits
+        waiting_.clear();
+        next_ = 0;
+      }
     }
     read_(read);
     const std::scoped_lock lock(mutex_);

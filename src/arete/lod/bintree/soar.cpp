@@ -1,7 +1,6 @@
 #include "arete/lod/bintree/soar.h"
 
 #include <limits>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -61,10 +60,10 @@ class Strip {
   void append(Corner& v, unsigned parity) {
     if (v.post == newer_.post || v.post == older_.post) return;
     if (parity == parity_) {
-      out_.indices.push_back(older_.slot);
-      std::swap(older_, newer_);
+      out_.indices.push_back(older_.slot);  // a turn: the older one stays
+    } else {
+      older_ = newer_;
     }
-    older_ = newer_;
     newer_ = {v.post, place(v)};
     out_.indices.push_back(newer_.slot);
     parity_ = parity;
