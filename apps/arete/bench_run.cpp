@@ -85,6 +85,7 @@ BenchRun bench_method(const FlightFlags& flags, const std::string& method, Drawi
   const std::uint64_t faults = major_page_faults();
   proof::Incoherence incoherence;
   DrawList list;
+  const lod::Footprint footprint = engine->footprint();
   ProgressBar bar(flags.terrain.talk);
   for (int i = 0; i < flags.frames; ++i) {
     stop_if_interrupted(flags.terrain.terrain.string());
@@ -105,7 +106,7 @@ BenchRun bench_method(const FlightFlags& flags, const std::string& method, Drawi
     run.frame_ms.push_back(ms(Clock::now() - start));
     add_stats(list.stats, run);
     run.terrain_bytes_max =
-        std::max(run.terrain_bytes_max, terrain_bytes(*terrain, *engine, list.stats));
+        std::max(run.terrain_bytes_max, terrain_bytes(*terrain, footprint, list.stats));
     incoherence.add(list, *engine);
     bar.show(method, static_cast<double>(i + 1) / flags.frames);
   }

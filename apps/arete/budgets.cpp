@@ -72,10 +72,10 @@ std::size_t renderer_memory(const FlightFlags& flags) {
   return flags.gpu_memory.count - picture;
 }
 
-std::uint64_t terrain_bytes(const store::Terrain& terrain, const lod::Engine& engine,
+std::uint64_t terrain_bytes(const store::Terrain& terrain, const lod::Footprint& method,
                             const RefineStats& stats) {
-  return terrain.table_bytes() + terrain.cache_stats().resident_bytes +
-         engine.footprint().table_bytes + stats.resident_bytes;
+  return terrain.table_bytes() + terrain.cache_stats().resident_bytes + method.table_bytes +
+         stats.resident_bytes;
 }
 
 }  // namespace arete::app

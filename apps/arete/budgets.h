@@ -21,7 +21,7 @@ lod::Budget budget_of(const FlightFlags& flags, const store::Terrain& terrain,
 std::size_t renderer_memory(const FlightFlags& flags);
 
 /// Memory that grows with the terrain: tables, decoded tiles and vertices. What --cache caps.
-std::uint64_t terrain_bytes(const store::Terrain& terrain, const lod::Engine& engine,
+std::uint64_t terrain_bytes(const store::Terrain& terrain, const lod::Footprint& method,
                             const RefineStats& stats);
 
 }  // namespace arete::app

@@ -94,8 +94,8 @@ void draw_error(const OverlayText& text, float tolerance_px) {
 }
 
 void draw_counts(const OverlayText& text) {
-  budget_bar("cache", text.cache.resident_bytes, text.cache_budget);
-  budget_bar("GPU", text.draw.gpu_bytes, text.gpu_budget);
+  budget_bar("cache", text.cache_bytes, text.cache_budget);
+  budget_bar("GPU", text.gpu_bytes, text.gpu_budget);
   if (text.draw.dropped_batches != 0) {
     say(fmt::format("{} batches do not fit the GPU memory", text.draw.dropped_batches), kRed);
   }

@@ -50,6 +50,7 @@ struct OverlayText {
   const RefineStats& refine;
   const render::DrawStats& draw;
   store::CacheStats cache;
+  std::uint64_t cache_bytes, gpu_bytes;  ///< all that the budgets cap
   std::size_t cache_budget, gpu_budget;
   std::string place;  ///< under the cursor, and how high: a line or two
   double eye_height;  ///< metres above the ground

@@ -80,7 +80,7 @@ class Studio {
         s.triangles, d.draws, s.visited_nodes, s.evaluated_vertices, s.culled, s.late_blocks,
         d.bytes_uploaded, d.gpu_bytes + frame_bytes(), s.achieved_error_px,
         Ms(refined - start).count(), Ms(drawn - refined).count(), s.tolerance_px, s.resident_bytes,
-        terrain_->cache_stats().resident_bytes, terrain_bytes(*terrain_, *engine_, s));
+        terrain_->cache_stats().resident_bytes, terrain_bytes(*terrain_, engine_->footprint(), s));
   }
   const std::vector<std::uint8_t>& rgb() const { return rgb_; }
 

@@ -18,6 +18,7 @@ OpenedTerrain open_with_method(const TerrainFlags& flags, const std::filesystem:
 
 ShownTerrain::ShownTerrain(OpenedTerrain opened, std::size_t gpu_memory)
     : opened_(std::move(opened)),
+      footprint_(opened_.engine->footprint()),
       rasters_(*opened_.terrain),
       ground_(ground_of(*opened_.terrain, store::Fetch::Wait)),
       cursor_ground_(ground_of(*opened_.terrain, store::Fetch::Resident)),
@@ -28,6 +29,7 @@ void ShownTerrain::change_method(const TerrainFlags& flags, const std::string& m
   auto engine = open_method(flags, method, *opened_.terrain);
   renderer_.forget(*opened_.engine);
   opened_.engine = std::move(engine);
+  footprint_ = opened_.engine->footprint();
   opened_.method = method;
   list_.clear();
   refined_ = false;
@@ -35,6 +37,10 @@ void ShownTerrain::change_method(const TerrainFlags& flags, const std::string& m
 
 lod::Budget ShownTerrain::budget_under(const FlightFlags& flags) const {
   return budget_of(flags, *opened_.terrain, *opened_.engine, &renderer_);
+}
+
+std::uint64_t ShownTerrain::bytes() const {
+  return terrain_bytes(*opened_.terrain, footprint_, list_.stats);
 }
 
 void ShownTerrain::refine(const View& view, const lod::RefineOptions& options) {

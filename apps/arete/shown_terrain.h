@@ -51,7 +51,9 @@ class ShownTerrain {
   const LeveledGround& cursor_ground() const { return cursor_ground_; }
   const Place& place() const { return place_; }
   /// The least budget that the method can keep.
-  lod::Budget least_budget() const { return opened_.engine->footprint().least; }
+  lod::Budget least_budget() const { return footprint_.least; }
+  /// Memory that grows with the terrain: what --cache caps.
+  std::uint64_t bytes() const;
   /// As budget_of. Throws: Limit.
   lod::Budget budget_under(const FlightFlags& flags) const;
   const std::filesystem::path& source() const { return opened_.source; }
@@ -62,6 +64,7 @@ class ShownTerrain {
 
  private:
   OpenedTerrain opened_;
+  lod::Footprint footprint_;  ///< of the engine, which sums it up anew each time it is asked
   LandRasters rasters_;
   LeveledGround ground_, cursor_ground_;
   Place place_;

@@ -87,6 +87,7 @@ void Viewer::run() {
 // What is shown stays until there is something else to show.
 void Viewer::open(const fs::path& terrain) {
   opening_.reset();
+  reopen_ = false;
   TerrainFlags flags = flags_.flight.terrain;
   flags.terrain = opening_file_ = terrain;
   const std::string& method = shown_ ? shown_->method() : flags_.method;
@@ -107,6 +108,9 @@ void Viewer::take_opened() {
   if (finished) {
     take_failure();
     opening_.reset();
+    if (std::exchange(reopen_, false) && shown_) {
+      open(shown_->source());
+    }
   }
 }
 
@@ -186,7 +190,10 @@ void Viewer::draw_land() {
     lod::RefineOptions options = flags_.flight.refine_options();
     options.tolerance_px = static_cast<double>(knobs_.tolerance_px);
     options.budget = *budget_;
-    options.budget.triangles = lod::Budget::kUnlimited;
+    // The slider's end: no limit but one of the command line that lies beyond it.
+    const std::uint64_t given = flags_.flight.triangles;
+    constexpr auto kEnd = static_cast<std::uint64_t>(Knobs::kAllTriangles);
+    options.budget.triangles = given >= kEnd ? given : lod::Budget::kUnlimited;
     if (knobs_.triangles < Knobs::kAllTriangles) {
       options.budget.triangles =
           std::max(static_cast<std::uint64_t>(knobs_.triangles), shown_->least_budget().triangles);
@@ -319,9 +326,17 @@ void Viewer::take_budget() {
 
 // Other budgets are another opening of the same terrain; the camera stays.
 void Viewer::change_memory() {
-  flags_.flight.terrain.cache.count = static_cast<std::size_t>(knobs_.cache_mib) << 20U;
-  flags_.flight.gpu_memory.count = static_cast<std::size_t>(knobs_.gpu_mib) << 20U;
-  if (!opening_) {  // else what is being opened takes them when it is shown
+  const auto set = [](Bytes& bytes, int mib) {  // what was not moved stays as given, to the byte
+    const auto wanted = static_cast<std::size_t>(mib);
+    if (bytes.count >> 20U != wanted) {
+      bytes.count = wanted << 20U;
+    }
+  };
+  set(flags_.flight.terrain.cache, knobs_.cache_mib);
+  set(flags_.flight.gpu_memory, knobs_.gpu_mib);
+  if (opening_) {
+    reopen_ = true;  // what is being opened has the old cache
+  } else {
     open(shown_->source());
   }
 }
@@ -389,6 +404,8 @@ void Viewer::draw_panel() {
   const Wishes wishes = draw_overlay(
       {shown_->method(), name_of(controls_->mode()), shown_->terrain().manifest().methods,
        shown_->refine_stats(), shown_->draw_stats(), shown_->terrain().cache_stats(),
+       shown_->bytes(),
+       shown_->draw_stats().gpu_bytes + render::Frame::bytes(frame_->width(), frame_->height()),
        flags_.flight.terrain.cache.count, flags_.flight.gpu_memory.count, place_text(),
        above_ground_, frozen_, style_.wireframe},
       times_, knobs_);

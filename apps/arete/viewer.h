@@ -75,6 +75,7 @@ class Viewer {
   Window window_;
   std::unique_ptr<BackgroundOpen> opening_;
   std::filesystem::path opening_file_;
+  bool reopen_ = false;                  ///< the cache changed while something was being opened
   std::exception_ptr failure_;           ///< of the terrain of the command line
   std::unique_ptr<ShownTerrain> shown_;  ///< none before the first preview
   std::optional<Controls> controls_;     ///< with the first terrain

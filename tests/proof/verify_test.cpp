@@ -200,6 +200,8 @@ TEST_F(Verify, CatchesCoarsenessThatNoBudgetAskedFor) {
   EXPECT_FALSE(run().holds());
   options_.refine.budget.triangles = 2048;
   EXPECT_TRUE(run().holds());
+  options_.refine.budget = {std::uint64_t{1} << 20U, std::uint64_t{1} << 30U};  // nearly empty
+  EXPECT_FALSE(run().holds());
 }
 
 TEST_F(Verify, AllowsTheMotionOfAChangingTolerance) {

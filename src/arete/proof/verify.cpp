@@ -114,8 +114,13 @@ class Flight {
     report_.max_tolerance_px = std::max(report_.max_tolerance_px, stats.tolerance_px);
     const std::uint64_t bytes = std::max(named_bytes(list_, engine_), stats.resident_bytes);
     report_.max_vertex_bytes = std::max(report_.max_vertex_bytes, bytes);
-    const bool over = out.triangles() > how.budget.triangles || bytes > how.budget.vertex_bytes ||
-                      (how.budget == lod::Budget{} && stats.tolerance_px > how.tolerance_px);
+    const lod::Budget& cap = how.budget;
+    // The least tolerance that fits leaves no cap nearly empty.
+    const bool coarse_for_nothing = stats.tolerance_px > how.tolerance_px &&
+                                    out.triangles() < cap.triangles / 8 &&
+                                    named_bytes(list_, engine_) < cap.vertex_bytes / 8;
+    const bool over =
+        out.triangles() > cap.triangles || bytes > cap.vertex_bytes || coarse_for_nothing;
     if (over) ++report_.over_budget_frames;
   }
 
