@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "arete/core/error.h"
+#include "arete/store/part_directory.h"
 
 #include "recipe.h"
 
@@ -22,7 +23,8 @@ namespace fs = std::filesystem;
 constexpr std::uintmax_t kCacheLimit = std::uintmax_t{20'000'000'000};
 
 bool is_store(const fs::path& path) {
-  return fs::is_directory(path) || path.extension() == ".arete" || path.filename().empty();
+  return fs::is_directory(path) || path.extension() == ".arete" || path.filename().empty() ||
+         store::retired_store(path);
 }
 
 std::uintmax_t bytes_under(const fs::path& directory) {
@@ -98,7 +100,7 @@ fs::path cached_store(const TerrainFlags& flags, const std::vector<std::string>&
 }
 
 void require_there(const fs::path& terrain) {
-  if (!fs::exists(terrain)) {
+  if (!fs::exists(terrain) && !store::retired_store(terrain)) {
     throw Error(ErrorCode::NotFound,
                 fmt::format("{}: no such file or directory: name a .arete store or a DEM",
                             terrain.string()));

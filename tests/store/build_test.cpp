@@ -13,7 +13,6 @@
 #include "arete/core/error.h"
 #include "arete/store/output_file.h"
 #include "arete/store/part_directory.h"
-#include "arete/store/publish.h"
 #include "arete/store/terrain.h"
 
 #include "store/store_fixture.h"
@@ -346,41 +345,6 @@ TEST(Build, TooWideForTheMemoryLimitIsSaid) {
   }
 }
 
-TEST(Publish, FallsBackToTheOldStoreWhenItCannotRename) {
-  TemporaryFolder folder;
-  fs::create_directories(folder / "old");
-  write_file_durably(folder / "old/keep", std::as_bytes(std::span("old")));
-  EXPECT_THROW(publish_directory(folder / "absent", folder / "old", folder / "retired"), Error);
-  EXPECT_TRUE(fs::exists(folder / "old/keep"));
-}
-
-// Opening reads several files by name; a store that takes the other's place meanwhile must not mix.
-TEST(Publish, ReadersOpenTheOldOrTheNewStore) {
-  TemporaryFolder folder;
-  std::vector<std::string> ids;
-  for (const std::uint32_t seed : {1U, 2U}) {
-    Heightfield field = make_hills(140, 140, seed);
-    BuildOptions options;
-    options.output = folder / (seed == 1 ? "a.arete" : "b.arete");
-    build(field, options, {});
-    ids.push_back(Terrain::open(options.output)->manifest().id);
-  }
-  std::atomic<bool> done = false;
-  std::jthread writer([&] {
-    for (int i = 0; i < 60; ++i) {
-      publish_directory(folder / "b.arete", folder / "a.arete", folder / "retired");
-      // No builder is quicker: two exchanges during one open would look like none.
-      std::this_thread::sleep_for(std::chrono::milliseconds(3));
-    }
-    done = true;
-  });
-  std::map<std::string, int> opened;
-  while (!done)
-    ++opened[Terrain::open(folder / "a.arete", {.prefetch = false, .open = {}})->manifest().id];
-  EXPECT_EQ(opened.size(), 2U);
-  EXPECT_TRUE(opened.contains(ids[0]) && opened.contains(ids[1]));
-}
-
 // The same source, killed while it built for a method and built again without it.
 TEST(Build, SegmentsOfAnAbandonedMethodAreNotPublished) {
   TemporaryFolder folder;
@@ -419,57 +383,6 @@ TEST(Build, ATrailingSlashNamesTheSameStore) {
   build(field, options_for(folder.path() / "a.arete/"), {});
   EXPECT_TRUE(fs::exists(folder / "a.arete" / "manifest.json"));
   EXPECT_FALSE(fs::exists(folder / "a.arete" / ".part"));
-}
-
-// Each builder in turn owns the directory alone, from its lock to the end of its removal.
-TEST(PartDirectory, RemovalDeletesNothingOfTheNextBuilder) {
-  TemporaryFolder folder;
-  std::atomic<int> owned{0};
-  std::atomic<int> lost{0};
-  const auto work = [&](int builder) {
-    const std::string name = std::to_string(builder);
-    for (int i = 0; i < 12; ++i) {
-      try {
-        PartDirectory part(folder / "a.arete", name);
-        std::ofstream(part.units() / name) << name;
-        std::this_thread::yield();
-        lost += fs::exists(part.units() / name) ? 0 : 1;
-        ++owned;
-        part.remove();
-      } catch (const Error& error) {
-        lost += std::string(error.what()).find("another build") == std::string::npos ? 1 : 0;
-      }
-    }
-  };
-  {
-    std::vector<std::jthread> builders;
-    for (int b = 0; b < 4; ++b) builders.emplace_back(work, b);
-  }
-  EXPECT_GT(owned, 1);
-  EXPECT_EQ(lost, 0);
-  EXPECT_TRUE(fs::is_empty(folder.path()));
-}
-
-TEST(PartDirectory, OneThatCannotBePreparedIsRemoved) {
-  TemporaryFolder folder;
-  fs::create_directories(folder / "a.arete.part/key.tmp/in the way");
-  EXPECT_THROW(PartDirectory(folder / "a.arete", "key"), Error);
-  EXPECT_TRUE(fs::is_empty(folder.path()));
-}
-
-// Once the old store may lie in the part directory, the same command must not take it for its own
-// work.
-TEST(PartDirectory, WithoutItsKeyNothingIsResumed) {
-  TemporaryFolder folder;
-  for (const bool forget : {false, true}) {
-    {
-      PartDirectory part(folder / "a.arete", "key");
-      std::ofstream(part.store() / "heights.seg") << "of the old store";
-      if (forget) part.forget_key();
-    }
-    PartDirectory again(folder / "a.arete", "key");
-    EXPECT_EQ(fs::exists(again.store() / "heights.seg"), !forget);
-  }
 }
 
 }  // namespace

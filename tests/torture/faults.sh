@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The real program where the system fails it: every write-side system call killed or refused, a full
-# disk, a read-only folder, few open files, small files only, two builders at once, flipped bits.
+# The real program where the system fails it: every write-side system call killed or refused, names
+# that cannot be exchanged, a full disk, a read-only folder, few open files, small files only, two
+# builders at once, flipped bits.
 # A failed build says one line, exits 1, leaves nothing beside the store, and the old store is as it
 # was; after a kill the same command gives the same bytes.
 # Usage: faults.sh ARETE [EVERY [FLIPS]]     EVERY: each EVERY-th call [41]; FLIPS: bits [8]
@@ -92,6 +93,31 @@ at_every_call() {
   ((n > 0)) || fault "control: no call touches the store"
   ((n < every || killed + refused > 0)) || fault "control: no system call was failed"
   echo "system calls: $runs runs of $n points, $killed killed, $refused refused"
+}
+
+# Where names cannot be exchanged the old store moves aside first: killed at any of the last renames,
+# it is there again after a build that is refused.
+without_exchange() {
+  has strace "no exchange of names" || return
+  local plain=(strace -f -y -qq -o log -e "inject=renameat2:error=EINVAL") index gaps=0
+  local command=("$arete" build new.tif -o s/t.arete --force --quiet --threads 1)
+  fresh
+  "${plain[@]}" "${command[@]}" || { echo "skipped: no exchange: strace may not trace here"; return; }
+  same s/t.arete new.arete || fault "no exchange: not the new store"
+  for index in $(indices rename | tail -n 4); do
+    fresh
+    { "${plain[@]}" -e "inject=rename:signal=KILL:when=$index" "${command[@]}"; } 2>/dev/null
+    if [[ ! -e s/t.arete ]]; then
+      gaps=$((gaps + 1))
+      "$arete" info s/t.arete 2>err && fault "no exchange: info finds a store"
+      { one_line && grep -q "t.arete.part/retired" err; } || fault "no exchange: $(cat err)"
+    fi
+    local code=0
+    (ulimit -f 1 && build) 2>err || code=$?
+    check_refusal "no exchange, killed at rename $index" "$code"
+  done
+  ((gaps > 0)) || fault "control: no kill between the two renames"
+  echo "no exchange of names: $gaps kills with the old store moved aside"
 }
 
 in_box() {  # BWRAP-ARGUMENTS... -- COMMAND
@@ -203,6 +229,7 @@ for seed in 1 2; do
 done
 same old.arete new.arete && fault "control: two sources, one store"
 at_every_call
+without_exchange
 full_disk
 read_only
 limits

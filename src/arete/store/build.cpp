@@ -157,6 +157,7 @@ std::string part_key(const std::string& what, const std::string& source) {
 void build(HeightSource& source, const BuildOptions& options, const BuildContext& context) {
   check_source(source);
   const fs::path output = without_slash(options.output);
+  bring_back_store(output);
   if (fs::exists(output) && !options.force) {
     require_same_heights(source, output);
     return extend(output, options, context);
@@ -172,6 +173,7 @@ void build(HeightSource& source, const BuildOptions& options, const BuildContext
 
 void extend(const fs::path& named, const BuildOptions& options, const BuildContext& context) {
   const fs::path store = without_slash(named);
+  bring_back_store(store);
   const Manifest old = open_quietly(store)->manifest();
   in_part_directory(
       store, part_key("extend", old.id + options.source_key), [&](PartDirectory& part) {

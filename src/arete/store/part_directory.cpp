@@ -45,22 +45,51 @@ std::string read_text(const fs::path& path) {
   return text;
 }
 
+fs::path part_path(const fs::path& output) {
+  fs::path path = output.has_filename() ? output : output.parent_path();
+  path += ".part";
+  return path;
+}
+
 }  // namespace
 
-PartDirectory::PartDirectory(const fs::path& output, const std::string& key) : path_(output) {
-  path_ += ".part";
+std::optional<fs::path> retired_store(const fs::path& output) {
+  std::error_code error;
+  const fs::path retired = part_path(output) / "retired";
+  if (fs::exists(output, error) || !fs::exists(retired, error)) return std::nullopt;
+  return retired;
+}
+
+void bring_back_store(const fs::path& output) {
+  if (retired_store(output)) PartDirectory(output).bring_back();
+}
+
+PartDirectory::PartDirectory(const fs::path& output) : output_(output), path_(part_path(output)) {
   lock();
+}
+
+PartDirectory::PartDirectory(const fs::path& output, const std::string& key)
+    : PartDirectory(output) {
   try {
+    bring_back();
     prepare(key);
   } catch (...) {
     remove();
-    ::close(lock_fd_);
     throw;
   }
 }
 
 PartDirectory::~PartDirectory() {
   ::close(lock_fd_);
+}
+
+void PartDirectory::bring_back() const {
+  const auto old = retired_store(output_);
+  if (!old) return;
+  if (::rename(old->c_str(), output_.c_str()) != 0)
+    throw Error(ErrorCode::Io, fmt::format("{}: cannot bring back the old store from {}: {}",
+                                           output_.string(), old->string(), std::strerror(errno)));
+  sync_directory(output_.has_parent_path() ? output_.parent_path() : fs::path("."));
 }
 
 void PartDirectory::prepare(const std::string& key) {
@@ -119,8 +148,14 @@ void PartDirectory::forget_key() {
 }
 
 // The lock goes last: with it gone another build may begin here, and then nothing of it must be
-// deleted. What that build has put into the directory keeps the directory.
+// deleted. What that build has put into the directory keeps the directory; so does an old store
+// that cannot go back.
 void PartDirectory::remove() noexcept {
+  try {
+    bring_back();
+  } catch (const std::exception&) {
+    if (retired_store(output_)) return;
+  }
   std::error_code error;
   std::vector<fs::path> all;
   for (fs::directory_iterator it(path_, error), end; !error && it != end; it.increment(error))

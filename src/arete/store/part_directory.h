@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace arete::store {
@@ -10,9 +11,11 @@ namespace arete::store {
 ///   key      names source and options; another key empties the directory
 ///   units/   finished pieces of segments
 ///   store/   the store to be, published by one rename
+///   retired/ the old store, where the file system cannot exchange it for the new one in one step
 class PartDirectory {
  public:
-  /// Creates or takes over the directory. Throws: Io, also when another build holds it.
+  /// Creates or takes over the directory, and brings an old store back that a killed build has left
+  /// in it. Throws: Io, also when another build holds it.
   PartDirectory(const std::filesystem::path& output, const std::string& key);
   /// Gives the lock back; the directory stays.
   ~PartDirectory();
@@ -25,14 +28,24 @@ class PartDirectory {
   /// Makes sure that no later build goes on from here: once the new store is about to take the old
   /// one's place, what lies here may be the old store. Throws: Io.
   void forget_key();
-  /// Deletes the directory and all in it; errors are left to the next build.
+  /// Deletes the directory and all in it; errors are left to the next build. An old store without
+  /// another name goes back to the output first, or stays.
   void remove() noexcept;
 
  private:
+  friend void bring_back_store(const std::filesystem::path& output);
+  explicit PartDirectory(const std::filesystem::path& output);  // only locks it
   void lock();
+  void bring_back() const;
   void prepare(const std::string& key);
-  std::filesystem::path path_;
+  std::filesystem::path output_, path_;
   int lock_fd_ = -1;
 };
+
+/// Where the old store lies when nothing is at `output` because its replacement was killed between
+/// moving the one away and the other in. Throws: nothing.
+std::optional<std::filesystem::path> retired_store(const std::filesystem::path& output);
+/// Moves it back. Throws: Io, also when a build is at work there.
+void bring_back_store(const std::filesystem::path& output);
 
 }  // namespace arete::store

@@ -10,6 +10,7 @@
 #include "arete/store/height_codec.h"
 #include "arete/store/height_rows.h"
 #include "arete/store/manifest.h"
+#include "arete/store/part_directory.h"
 #include "arete/store/raster_pyramid.h"
 #include "arete/store/raster_recipe.h"
 #include "arete/store/terrain_impl.h"
@@ -42,6 +43,15 @@ DirectoryIdentity identity_of(const std::filesystem::path& directory) {
   struct stat status {};
   if (::stat(directory.c_str(), &status) != 0) return {};
   return {status.st_dev, status.st_ino};
+}
+
+// Readers change nothing, so they only say where the store is.
+void require_not_retired(const std::filesystem::path& store) {
+  if (const auto retired = retired_store(store))
+    throw Error(ErrorCode::NotFound,
+                fmt::format("{}: not there: its replacement broke off and left it in {}: build "
+                            "again, which brings it back",
+                            store.string(), retired->string()));
 }
 
 // Level 0 from the heights, the other levels from the segment.
@@ -174,7 +184,9 @@ std::unique_ptr<Terrain> Terrain::open(const std::filesystem::path& store, OpenO
       terrain->impl_ = std::make_unique<Impl>(store, options);
       return terrain;
     } catch (const Error&) {
-      if (identity_of(store) == before && ++failures == 3) throw;
+      if (identity_of(store) != before || ++failures < 3) continue;
+      require_not_retired(store);
+      throw;
     }
   }
 }
