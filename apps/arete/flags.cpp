@@ -85,7 +85,7 @@ void add_missing(CLI::App& verb, FlightFlags& flags) {
       ->type_name("WHAT");
   verb.add_flag_callback(
       "--no-prefetch", [&flags] { flags.terrain.prefetch = false; },
-      "Load no tile in the background");
+      "Load no tile in the background, read no record page before a frame misses it");
 }
 
 double instant(const scene::Path& path, int i, int n) {

@@ -45,6 +45,17 @@ const Record* await(RecordPages& pages, VertexIndex index) {
   return nullptr;
 }
 
+// Begins frames until the thread has read a page, or some seconds have passed.
+bool await_read(RecordPages& pages) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (std::chrono::steady_clock::now() < end) {
+    pages.begin_frame();
+    if (pages.counts().prefetched > 0) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return false;
+}
+
 TEST(BintreePages, CodecIsLossless) {
   std::mt19937 random(23);
   std::vector<Record> records(kPageRecords);
@@ -126,13 +137,39 @@ TEST(BintreePages, PrefetchedPagesNeedNoFault) {
   RecordPages pages(recorded().terrain(), {});
   const VertexIndex v = pages.domain().index_of({77, 99});
   const std::vector<std::uint64_t> wanted{RecordPages::page_of(v)};
-  pages.prefetch(wanted);
-  ASSERT_NE(await(pages, v), nullptr);
+  pages.ask({}, wanted);
+  ASSERT_TRUE(await_read(pages));
+  EXPECT_NE(pages.find(v, OnMissing::Defer), nullptr);
   EXPECT_EQ(pages.counts().faults, 0U);
-  RecordPages alone(recorded().terrain(), {.prefetch = Prefetch::Off});
-  alone.prefetch(wanted);
-  alone.begin_frame();
-  EXPECT_EQ(alone.find(v, OnMissing::Defer), nullptr);
+}
+
+TEST(BintreePages, WithoutPrefetchOnlyWhatWasMissedIsRead) {
+  const Domain domain = Domain::over(300, 200);
+  const VertexIndex v = domain.index_of({77, 99});
+  const VertexIndex missed = domain.index_of({131, 57});
+  const std::vector<std::uint64_t> ahead{RecordPages::page_of(v)};
+  ASSERT_NE(ahead[0], RecordPages::page_of(missed));
+  for (const Prefetch prefetch : {Prefetch::Off, Prefetch::On}) {
+    RecordPages pages(recorded().terrain(), {.prefetch = prefetch});
+    pages.begin_frame();
+    EXPECT_EQ(pages.find(missed, OnMissing::Defer), nullptr);
+    // What is read ahead comes before what is missed a frame later, so it was not forgotten.
+    pages.ask(std::vector{RecordPages::page_of(missed)}, ahead);
+    ASSERT_NE(await(pages, missed), nullptr);
+    const VertexIndex later = domain.index_of({201, 9});
+    ASSERT_NE(await(pages, later), nullptr);
+    EXPECT_EQ(pages.find(v, OnMissing::Defer) == nullptr, prefetch == Prefetch::Off);
+    EXPECT_EQ(pages.counts().faults, 0U);
+  }
+}
+
+TEST(BintreePages, TheLeastBudgetIsReadUnderDefer) {
+  for (const std::size_t slots : {1, 2, 3}) {
+    RecordPages pages(recorded().terrain(), {.budget_bytes = slots * kRecordPageBytes});
+    for (const VertexIndex v : some_vertices(pages.domain(), 10))
+      ASSERT_NE(await(pages, v), nullptr) << slots;
+    EXPECT_LE(pages.counts().resident_bytes_max, slots * kRecordPageBytes);
+  }
 }
 
 TEST(BintreePages, ManyRequestsUnderASmallBudgetLoseNoPage) {
@@ -144,7 +181,7 @@ TEST(BintreePages, ManyRequestsUnderASmallBudgetLoseNoPage) {
     pages.begin_frame();
     std::vector<std::uint64_t> wanted;
     for (std::size_t k = 0; k < 8; ++k) wanted.push_back(RecordPages::page_of(vertices[i + k]));
-    if (random() % 2 == 0) pages.prefetch(wanted);
+    if (random() % 2 == 0) pages.ask({}, wanted);
     for (std::size_t k = 0; k < 8; ++k) {
       const auto how = random() % 3 == 0 ? OnMissing::Defer : OnMissing::Wait;
       const Record* record = pages.find(vertices[i + k], how);

@@ -37,6 +37,7 @@ float error_m(const Findings& found) {
 void report(const Ground& ground, const Findings& found, RefineStats& stats) {
   stats.pages_touched = ground.pages().counts().touched;
   stats.pages_read = ground.pages().counts().faults;
+  stats.page_bytes = ground.pages().counts().resident_bytes;
   stats.triangles = found.halved + 4;
   stats.visited_nodes = found.visited;
   stats.evaluated_vertices = found.evaluated;

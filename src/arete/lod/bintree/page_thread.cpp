@@ -10,21 +10,28 @@ PageThread::PageThread(std::function<void(PageRead&)> read)
 void PageThread::add(const PageRead& read) {
   {
     const std::scoped_lock lock(mutex_);
+    if (2 * next_ >= waiting_.size()) drop_begun();  // the queue never outgrows twice what waits
     waiting_.push_back(read);
   }
   more_.notify_one();
 }
 
-std::vector<PageRead> PageThread::take_waiting() {
+void PageThread::take_waiting(std::vector<PageRead>& out) {
+  out.clear();
   const std::scoped_lock lock(mutex_);
-  waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(next_));
-  next_ = 0;
-  return std::exchange(waiting_, {});
+  drop_begun();
+  waiting_.swap(out);
 }
 
-std::vector<PageRead> PageThread::take_finished() {
+void PageThread::take_finished(std::vector<PageRead>& out) {
+  out.clear();
   const std::scoped_lock lock(mutex_);
-  return std::exchange(finished_, {});
+  finished_.swap(out);
+}
+
+void PageThread::drop_begun() {
+  waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(next_));
+  next_ = 0;
 }
 
 void PageThread::run(const std::stop_token& stop) {
@@ -35,10 +42,6 @@ void PageThread::run(const std::stop_token& stop) {
       if (!more_.wait(lock, stop, [this] { return next_ < waiting_.size(); })) return;
       if (stop.stop_requested()) return;
       read = waiting_[next_++];
-      if (next_ == waiting_.size()) {  // all taken: the queue never outgrows what waits
-        waiting_.clear();
-        next_ = 0;
-      }
     }
     read_(read);
     const std::scoped_lock lock(mutex_);

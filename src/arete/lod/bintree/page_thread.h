@@ -19,7 +19,7 @@ struct PageRead {
   std::size_t bytes_read = 0;  ///< from the file; 0 = damaged
 };
 
-/// One thread that reads pages ahead of their use. Thread contract: one other thread uses it.
+/// One thread that reads pages while frames are drawn. Thread contract: one other thread uses it.
 class PageThread {
  public:
   /// `read` fills read.to and sets read.bytes_read; it is called on the thread and must not throw.
@@ -30,13 +30,14 @@ class PageThread {
 
   /// Adds a read behind those that wait.
   void add(const PageRead& read);
-  /// Takes back the reads that have not begun.
-  std::vector<PageRead> take_waiting();
-  /// Takes the finished ones.
-  std::vector<PageRead> take_finished();
+  /// Takes back the reads that have not begun, the finished ones. What `out` held goes; memory
+  /// changes hands, so none is allocated once the most that ever waited has waited.
+  void take_waiting(std::vector<PageRead>& out);
+  void take_finished(std::vector<PageRead>& out);
 
  private:
   void run(const std::stop_token& stop);
+  void drop_begun();
 
   std::function<void(PageRead&)> read_;
   std::mutex mutex_;

@@ -15,7 +15,7 @@ namespace {
 constexpr std::array<Record, kPageRecords> kZeroPage{};
 // Pages looked at for the one to give up.
 constexpr std::size_t kCandidates = 16;
-// The thread holds at most this share of the budget.
+// The thread holds at most this share of the budget, but one page of the least.
 constexpr std::size_t kAheadShare = 4;
 
 }  // namespace
@@ -27,7 +27,9 @@ std::string bintree_segment(Delta delta) {
 RecordPages::RecordPages(const store::Terrain& terrain, const Options& options)
     : terrain_(terrain),
       segment_(bintree_segment(options.delta)),
-      domain_(Domain::over(terrain.manifest().cols, terrain.manifest().rows)) {
+      domain_(Domain::over(terrain.manifest().cols, terrain.manifest().rows)),
+      prefetch_(options.prefetch),
+      thread_([this](PageRead& read) { read.bytes_read = read_page(read.key, read.to); }) {
   if (!terrain.has_segment(segment_))
     throw Error(ErrorCode::NotFound,
                 fmt::format("no segment \"{}\": add it with arete build --methods soar", segment_));
@@ -39,9 +41,6 @@ RecordPages::RecordPages(const store::Terrain& terrain, const Options& options)
   memory_ = std::make_unique_for_overwrite<Record[]>(slots_ * kPageRecords);
   holders_.resize(slots_, nullptr);
   asked_.resize(keys_.size(), 0);
-  if (options.prefetch == Prefetch::On)
-    thread_ = std::make_unique<PageThread>(
-        [this](PageRead& read) { read.bytes_read = read_page(read.key, read.to); });
 }
 
 RecordPages::~RecordPages() = default;
@@ -88,8 +87,8 @@ void RecordPages::index_pages() {
 void RecordPages::begin_frame() {
   ++frame_;
   counts_.touched = counts_.faults = counts_.late = 0;
-  if (!thread_) return;
-  for (const PageRead& read : thread_->take_finished()) take_in(read);
+  thread_.take_finished(taken_);
+  for (const PageRead& read : taken_) take_in(read);
   count_resident();
 }
 
@@ -148,13 +147,19 @@ std::size_t RecordPages::read_page(std::size_t key, Record* to) const {
   }
 }
 
-void RecordPages::prefetch(std::span<const std::uint64_t> pages) {
-  if (!thread_) return;
-  for (const PageRead& read : thread_->take_waiting()) {
+void RecordPages::ask(std::span<const std::uint64_t> missing,
+                      std::span<const std::uint64_t> ahead) {
+  thread_.take_waiting(taken_);
+  for (const PageRead& read : taken_) {
     asked_[read.key] = 0;
     --asked_count_;
     free_.push_back(read.to);
   }
+  ask(missing);
+  if (prefetch_ == Prefetch::On) ask(ahead);
+}
+
+void RecordPages::ask(std::span<const std::uint64_t> pages) {
   for (const std::uint64_t page : pages) {
     Entry& entry = entry_of(page);
     if (entry.records == nullptr && entry.key >= 0) ask(entry);
@@ -163,12 +168,17 @@ void RecordPages::prefetch(std::span<const std::uint64_t> pages) {
 
 void RecordPages::ask(Entry& entry) {
   const auto key = static_cast<std::size_t>(entry.key);
-  if (!thread_ || asked_[key] != 0 || asked_count_ >= slots_ / kAheadShare) return;
+  if (asked_[key] != 0 || asked_count_ >= most_asked()) return;
   Record* slot = take_slot();
   if (slot == nullptr) return;
   asked_[key] = 1;
   ++asked_count_;
-  thread_->add({key, slot});
+  thread_.add({key, slot});
+  count_resident();
+}
+
+std::size_t RecordPages::most_asked() const {
+  return std::max<std::size_t>(slots_ / kAheadShare, 1);
 }
 
 Record* RecordPages::take_slot() {

@@ -29,7 +29,7 @@ enum class Delta {
 /// "bintree" or "bintree-incremental".
 std::string bintree_segment(Delta delta);
 
-/// Whether a thread reads pages ahead of their use.
+/// Whether pages are read ahead of their use. What a deferred find() missed is read in either case.
 enum class Prefetch { On, Off };
 
 /// What RecordPages did. The first three are of the current frame, the others since opening.
@@ -40,11 +40,12 @@ struct PageCounts {
   std::uint64_t bytes_read = 0;
   std::uint64_t prefetched = 0;  ///< pages that the thread has read
   std::uint64_t damaged = 0;     ///< pages that failed verification; they are not read again
-  std::uint64_t resident_bytes = 0, resident_bytes_max = 0;  ///< within the budget
+  /// Of pages here or in the thread's hands: within the budget.
+  std::uint64_t resident_bytes = 0, resident_bytes_max = 0;
 };
 
 /// The records of a terrain, read in pages through the store's verification under a hard byte
-/// budget. Thread contract: one thread at a time; the prefetch thread is its own affair.
+/// budget. Thread contract: one thread at a time; the thread that reads pages is its own affair.
 class RecordPages {
  public:
   struct Options {
@@ -77,11 +78,12 @@ class RecordPages {
       if (!touch(entry, on_missing)) return nullptr;
     return entry.records + (index & (kPageRecords - 1));
   }
-  /// Page number of an index, for prefetch().
+  /// Page number of an index, for ask().
   static std::uint64_t page_of(VertexIndex index) { return index >> kLog2PageRecords; }
-  /// Asks the thread for pages, most wanted first; replaces what was asked before. They come in at
-  /// the next begin_frame after they are read. Nothing under Prefetch::Off.
-  void prefetch(std::span<const std::uint64_t> pages);
+  /// Asks the thread for the pages that this frame missed and then, unless Prefetch::Off, for those
+  /// that later ones may need; most wanted first. Replaces what was asked before. They come in at
+  /// the next begin_frame after they are read.
+  void ask(std::span<const std::uint64_t> missing, std::span<const std::uint64_t> ahead);
 
   const PageCounts& counts() const { return counts_; }
   /// Memory held from opening on: the budget's pages, as many as are stored, and what finds them.
@@ -106,9 +108,11 @@ class RecordPages {
   }
   bool touch(Entry& entry, OnMissing on_missing);
   bool load(Entry& entry);
+  void ask(std::span<const std::uint64_t> pages);
   void ask(Entry& entry);
   void take_in(const PageRead& read);
   std::size_t read_page(std::size_t key, Record* to) const;
+  std::size_t most_asked() const;
   Record* take_slot();
   Entry** oldest_holder();
   void hold(Record* records, Entry& entry, std::uint32_t frame);
@@ -131,7 +135,9 @@ class RecordPages {
   std::vector<Entry*> holders_;      ///< by slot; null: free, or the thread's
   std::vector<std::uint8_t> asked_;  ///< by key: the thread has it
   std::size_t asked_count_ = 0;
-  std::unique_ptr<PageThread> thread_;  ///< last: it stops before what it uses goes
+  Prefetch prefetch_;
+  std::vector<PageRead> taken_;  ///< from the thread; here for its memory
+  PageThread thread_;            ///< last: it stops before what it uses goes
 };
 
 }  // namespace arete::lod::bintree

@@ -40,7 +40,7 @@ class SmartEngine final : public Engine {
                            .error = error_m(found)});
     report(ground_, found, out.stats);
     report_vertices(out);
-    if (options.on_missing == OnMissing::Defer) prefetch();
+    if (options.on_missing == OnMissing::Defer) ask_for_pages();
   }
 
   Claims claims(const RefineOptions& options) const override {
@@ -99,13 +99,7 @@ class SmartEngine final : public Engine {
   }
 
   // What is missing now, then what may be asked for soon.
-  void prefetch() {
-    const auto missing = vertices_.missing_pages();
-    const auto ahead = tree_.pages_ahead();
-    wanted_.assign(missing.begin(), missing.end());
-    wanted_.insert(wanted_.end(), ahead.begin(), ahead.end());
-    ground_.pages().prefetch(wanted_);
-  }
+  void ask_for_pages() { ground_.pages().ask(vertices_.missing_pages(), tree_.pages_ahead()); }
 
   void report_vertices(DrawList& out) {
     const bool renewed = vertices_.key() != uploaded_key_;
@@ -125,7 +119,6 @@ class SmartEngine final : public Engine {
   BinTree tree_;
   Odometer odometer_;
   bool culled_ = true, bound_ = false;
-  std::vector<std::uint64_t> wanted_;
   BlockKey uploaded_key_ = kOwnBlock;
   std::uint32_t uploaded_ = 0;
 };
