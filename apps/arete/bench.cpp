@@ -145,6 +145,11 @@ void add_bench(CLI::App& app) {
   add_flight(*verb, flags->flight);
   add_frames(*verb, flags->flight.frames);
   add_missing(*verb, flags->flight);
+  add_choice<Io>(
+      *verb, "--io", flags->flight.terrain.io, {{"read", Io::Read}, {"mmap", Io::Map}},
+      "How the store's files are read: read (pread), or mmap (copied out of a mapping: to "
+      "compare, for a file that shrinks meanwhile ends the program) [read]")
+      ->type_name("HOW");
   verb->add_flag_callback(
       "--no-draw", [flags] { flags->drawing = Drawing::Skip; }, "Time the refinement alone");
   verb->add_option("--paper", flags->paper, "Repeat a paper's own experiment: smart")

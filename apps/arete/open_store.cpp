@@ -181,6 +181,7 @@ std::unique_ptr<store::Terrain> open_store(const TerrainFlags& flags, const fs::
   store::OpenOptions options;
   options.cache_bytes = tile_bytes(flags.cache);
   options.prefetch = flags.prefetch;
+  if (flags.io == Io::Map) options.open = store::map_file;
   return store::Terrain::open(store, options);
 }
 

@@ -16,12 +16,16 @@
 
 namespace arete::app {
 
+/// How a store's files are read.
+enum class Io { Read, Map };
+
 /// A terrain on the command line: a store, or a DEM to build one from.
 struct TerrainFlags {
   std::filesystem::path terrain;
   MethodFlags method_flags;
   Bytes cache{std::size_t{512} << 20U};  ///< for tables, tiles and vertices together
   bool prefetch = true;
+  Io io = Io::Read;
   Talk talk = Talk::Normal;
 };
 

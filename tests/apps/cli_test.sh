@@ -98,6 +98,14 @@ keys machine terrain path runs method options frames mean_triangles refine_ms p5
   incoherence_percent cache_bytes_max peak_rss_bytes achieved_error_px
 expect 0 bench t.arete --methods full,geomipmap --frames 4 --no-draw --report report.html
 [[ $(grep -c '<polyline' report.html) == 6 ]] || fault "not six lines in report.html"
+# The same surface whether files are read or mapped.
+for io in read mmap; do
+  expect 0 bench t.arete --methods full,smart --frames 4 --no-draw --io $io --json
+  grep '"mean_triangles"' stdout >"$io.triangles"
+done
+cmp -s read.triangles mmap.triangles || fault "--io mmap draws something else"
+expect 2 bench t.arete --io dma
+says stderr "mmap, read"
 
 # Budgets: kept, or refused at open by a line that names the flag and the least that would do.
 expect 0 bench t.arete --methods full,geomipmap --frames 8 --size 160x90 --triangles 20000 --cache 6M \

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "arete/core/error.h"
+#include "arete/core/heightfield.h"
+#include "arete/store/build.h"
 
 #include "open_store.h"
 #include "text_file.h"
@@ -65,6 +67,24 @@ TEST_F(FilesTest, DirectoriesWithFilesAreRefusedAndKept) {
     EXPECT_THROW(unfinished.add_directory(directory_ / "mine"), Error);
   }
   EXPECT_TRUE(fs::exists(kept));
+}
+
+TEST_F(FilesTest, MappedStoresAreMappedAndOthersAreNot) {
+  TerrainFlags flags;
+  flags.terrain = directory_ / "t.arete";
+  store::BuildOptions options;
+  options.output = flags.terrain;
+  options.source_key = "test";
+  Heightfield dem(40, 30);
+  store::build(dem, options, {});
+  for (const Io io : {Io::Read, Io::Map}) {
+    flags.io = io;
+    const auto terrain = open_store(flags, flags.terrain);
+    std::ifstream in("/proc/self/maps");
+    const std::string maps(std::istreambuf_iterator<char>(in), {});
+    EXPECT_EQ(maps.find("t.arete/heights.seg") != std::string::npos, io == Io::Map);
+    EXPECT_NE(terrain->heights({0, 0, 0}, store::Fetch::Wait), nullptr);
+  }
 }
 
 TEST_F(FilesTest, TextIsReplacedWhole) {

@@ -23,7 +23,7 @@ std::unique_ptr<File> open_file(const std::filesystem::path& path);
 
 /// The same through a read-only mapping: reads are copies out of it, bounds-checked. A file that
 /// shrinks or cannot be read while it is mapped ends the program (SIGBUS), so this is for
-/// measurements (`bench --io=mmap`) only. Throws: NotFound, Io.
+/// measurements (`bench --io mmap`) only. Throws: NotFound, Io.
 std::unique_ptr<File> map_file(const std::filesystem::path& path);
 
 }  // namespace arete::store
