@@ -101,6 +101,7 @@ TEST(BintreeIndex, TheDomainIsTheSmallestSquare) {
   EXPECT_EQ(Domain::over(1, 1026).side(), 2048);
   EXPECT_EQ(Domain::over((1 << 20) + 1, 1).log2_cells(), 20);
   EXPECT_THROW(Domain::over((1 << 20) + 2, 1), Error);
+  EXPECT_TRUE(Domain::fits(1, (1 << 20) + 1) && !Domain::fits(1, (1 << 20) + 2));
 }
 
 TEST(BintreeRecord, CodesRoundUpByLittleAndKeepOrder) {

@@ -1,15 +1,21 @@
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "arete/core/error.h"
+#include "arete/lod/bintree/page_layout.h"
 
 #include "lod/built_terrain.h"
 #include "lod/recorded_terrain.h"
 
 namespace arete::lod::bintree {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr float kHole = std::numeric_limits<float>::quiet_NaN();
 
@@ -159,6 +165,62 @@ TEST(BintreePreprocess, ACancelledBuildGoesOnToTheSameBytes) {
   }
   EXPECT_GT(cancelled, 1);
   EXPECT_EQ(store::read_all_files(folder / "t.arete"), files);
+}
+
+// What a build fails with, or an extension where the store is there.
+Error failure_of(const store::TemporaryFolder& folder, Heightfield& dem,
+                 const std::function<void(const store::Terrain&, store::Writers&)>& preprocess) {
+  store::BuildOptions options;
+  options.output = folder / "t.arete";
+  options.preprocess = preprocess;
+  try {
+    fs::exists(options.output) ? extend(options.output, options, {}) : build(dem, options, {});
+  } catch (const Error& error) {
+    return error;
+  }
+  throw std::logic_error("nothing failed");
+}
+
+void write_small_blocks(const store::Terrain& terrain, store::Writers& writers) {
+  write_records(terrain, writers, {}, {.log2_block = Groups::kMinLog2Block});
+}
+
+// A file, what is wrong, what to do.
+void expect_names(const Error& error, const std::string& name) {
+  const std::string text = error.what();
+  EXPECT_TRUE(text.starts_with(name)) << text;
+  EXPECT_EQ(text.find(".part"), std::string::npos) << text;
+  EXPECT_GE(std::ranges::count(text, ':'), 2) << text;
+}
+
+TEST(BintreePreprocess, AStoreWithDamagedHeightsIsNamed) {
+  const store::TemporaryFolder folder;
+  Heightfield dem = hills(700, 560, 15);
+  build_store(folder, dem);
+  std::fstream(folder / "t.arete/heights.seg").seekp(8192) << "damage";
+  const Error error = failure_of(folder, dem, write_small_blocks);
+  EXPECT_EQ(error.code(), ErrorCode::Corrupt);
+  expect_names(error, (folder / "t.arete").string() + ": ");
+}
+
+// Finished by another program, with the right hashes.
+TEST(BintreePreprocess, AForeignUnitIsNamed) {
+  const store::TemporaryFolder folder;
+  Heightfield dem = hills(700, 560, 15);
+  const Groups groups(dem.cols(), dem.rows(), Groups::kMinLog2Block);
+  const auto foreign = [&](const store::Terrain&, store::Writers& writers) {
+    store::SegmentPlan plan{"bintree", "bintree-records 1 exact block=256", groups.units(), {}};
+    plan.make = [&](int unit, store::BlockSink& sink) {
+      if (unit == groups.units() - 1) throw Error(ErrorCode::Cancelled, "planted");
+      sink.add(page_key(unit, kMaximaPage), std::array{std::byte{1}});
+    };
+    for (int g = 1; g < groups.count(); ++g) plan.later_phases.push_back(groups.first_unit(g));
+    writers.write(plan);
+  };
+  EXPECT_EQ(failure_of(folder, dem, foreign).code(), ErrorCode::Cancelled);
+  const Error error = failure_of(folder, dem, write_small_blocks);
+  EXPECT_EQ(error.code(), ErrorCode::Corrupt);
+  expect_names(error, (folder / "t.arete").string());
 }
 
 }  // namespace

@@ -117,9 +117,9 @@ void read_patch_records(const store::Terrain& terrain, const std::string& segmen
     const int records = std::min(per_unit, rows - first_row) * cols;
     if (!block || records <= 0 ||
         block->size() != static_cast<std::size_t>(records) * record_size) {
-      throw Error(
-          ErrorCode::Corrupt,
-          fmt::format("{}.seg: block {} is damaged: rebuild the store with --force", segment, key));
+      throw Error(ErrorCode::Corrupt,
+                  fmt::format("{}: block {} of \"{}\" is damaged: build it again with --force",
+                              terrain.name(), key, segment));
     }
     for (int k = 0; k < records; ++k)
       read(first_row * cols + k, block->data() + static_cast<std::size_t>(k) * record_size);

@@ -122,9 +122,8 @@ PatchTable::PatchTable(const store::Terrain& terrain, int log2_cells)
   if (!terrain.has_segment(segment)) {
     throw Error(
         ErrorCode::NotFound,
-        fmt::format("{}.seg: the store has no tables for patches of {} posts: rebuild it with "
-                    "--patch {}",
-                    segment, cells() + 1, cells() + 1));
+        fmt::format("{}: has no tables for patches of {} posts: build it again with --patch {}",
+                    terrain.name(), cells() + 1, cells() + 1));
   }
   if (cols_ == 0 || rows_ == 0) cols_ = rows_ = 0;
   const auto n = static_cast<std::size_t>(size());

@@ -120,9 +120,9 @@ UniformTable::UniformTable(const store::Terrain& terrain, const PatchTable& patc
   const std::string segment = uniform_segment(patches.log2_cells());
   if (!terrain.has_segment(segment)) {
     throw Error(ErrorCode::NotFound,
-                fmt::format("{}.seg: the store has no max-error vertices for patches of {} posts: "
-                            "rebuild it with arete build --methods all --patch {}",
-                            segment, patches.cells() + 1, patches.cells() + 1));
+                fmt::format("{}: has no max-error vertices for patches of {} posts: build it again "
+                            "with --methods all --patch {}",
+                            terrain.name(), patches.cells() + 1, patches.cells() + 1));
   }
   records_.resize(static_cast<std::size_t>(patches.size()) * levels_);
   read_patch_records(terrain, segment, patches.log2_cells(), levels_ * sizeof(Record),

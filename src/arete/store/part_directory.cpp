@@ -53,6 +53,12 @@ fs::path part_path(const fs::path& output) {
 
 }  // namespace
 
+fs::path output_of(const fs::path& store) {
+  fs::path part = store.parent_path();
+  if (store.filename() != "store" || part.extension() != ".part") return store;
+  return part.replace_extension();
+}
+
 std::optional<fs::path> retired_store(const fs::path& output) {
   std::error_code error;
   const fs::path retired = part_path(output) / "retired";

@@ -42,6 +42,8 @@ class PartDirectory {
   int lock_fd_ = -1;
 };
 
+/// The output of a build whose unpublished store is at `store`; else `store` itself.
+std::filesystem::path output_of(const std::filesystem::path& store);
 /// Where the old store lies when nothing is at `output` because its replacement was killed between
 /// moving the one away and the other in. Throws: nothing.
 std::optional<std::filesystem::path> retired_store(const std::filesystem::path& output);

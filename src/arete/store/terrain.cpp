@@ -194,6 +194,9 @@ std::unique_ptr<Terrain> Terrain::open(const std::filesystem::path& store, OpenO
 const Manifest& Terrain::manifest() const {
   return impl_->manifest;
 }
+std::string Terrain::name() const {
+  return output_of(impl_->store).string();
+}
 int Terrain::levels() const {
   return impl_->levels;
 }

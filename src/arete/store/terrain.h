@@ -90,6 +90,8 @@ class Terrain {
   Terrain& operator=(const Terrain&) = delete;
 
   const Manifest& manifest() const;
+  /// What messages call it: its path; while it is being built, the path that it will have.
+  std::string name() const;
   /// Height pyramid: levels 0..levels()-1; the coarsest is one tile.
   int levels() const;
   /// Tiles along x and y at a level.

@@ -7,11 +7,11 @@
 namespace arete::lod::bintree {
 namespace {
 
-Record must_find(RecordPages& pages, VertexIndex vertex) {
+Record must_find(RecordPages& pages, VertexIndex vertex, const std::string& terrain) {
   const Record* record = pages.find(vertex, OnMissing::Wait);
   if (record == nullptr)
     throw Error(ErrorCode::Corrupt,
-                "bintree.seg: its first page cannot be read: build the store again with --force");
+                terrain + ": page 1 of its bin-tree is damaged: build it again with --force");
   return *record;
 }
 
@@ -27,9 +27,9 @@ Ground::Ground(const store::Terrain& terrain, const RecordPages::Options& option
       pages_(terrain, options) {
   if (!has_cells()) return;
   pages_.begin_frame();
-  centre_ = must_find(pages_, kCentre);
+  centre_ = must_find(pages_, kCentre, terrain.name());
   for (VertexIndex v = kSouthWest; v <= kNorthWest; ++v)
-    corners_[v - kSouthWest] = must_find(pages_, v);
+    corners_[v - kSouthWest] = must_find(pages_, v, terrain.name());
 }
 
 double Ground::nearest_m(glm::dvec3 eye) const {

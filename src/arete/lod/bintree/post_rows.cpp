@@ -143,7 +143,7 @@ void load_lattice(const store::Terrain& terrain, int level, const PostRect& rect
 void require_undamaged(const store::Terrain& terrain) {
   if (terrain.cache_stats().damaged > 0)
     throw Error(ErrorCode::Corrupt,
-                "bintree: a height tile of the store is damaged: rebuild the store");
+                terrain.name() + ": a height tile is damaged: build it again with --force");
 }
 
 }  // namespace arete::lod::bintree

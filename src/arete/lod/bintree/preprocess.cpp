@@ -83,9 +83,10 @@ class UnitMaker {
     for (std::size_t i = 0; i < maxima.size(); ++i) maxima[i] = std::max(maxima[i], theirs[i]);
   }
 
-  static void require(bool whole) {
+  void require(bool whole) const {
     if (!whole)
-      throw Error(ErrorCode::Corrupt, "bintree: a finished unit has another size: build again");
+      throw Error(ErrorCode::Corrupt,
+                  terrain_.name() + ": a finished piece of its bin-tree is wrong: build again");
   }
 
   OwnDeltas own_deltas(RecordGrid& grid) const {
@@ -175,6 +176,11 @@ std::size_t unit_bytes(const Groups& groups) {
 void write_records(const store::Terrain& terrain, store::Writers& writers,
                    const BuildContext& context, const RecordOptions& options) {
   const store::Manifest& m = terrain.manifest();
+  if (!Domain::fits(m.cols, m.rows))
+    throw Error(ErrorCode::Limit,
+                fmt::format("{}: {} x {} posts: soar and smart take at most {} a side: leave them "
+                            "out of --methods",
+                            m.source, m.cols, m.rows, (1 << Domain::kMaxLog2Cells) + 1));
   const Groups groups(m.cols, m.rows, options.log2_block);
   const UnitMaker maker(terrain, groups, options, context.threads);
   store::SegmentPlan plan;

@@ -65,13 +65,16 @@ VertexIndex black_index(Post post, int half, int side) {
 }  // namespace
 
 Domain Domain::over(int cols, int rows) {
+  if (!fits(cols, rows))
+    throw Error(ErrorCode::Limit,
+                fmt::format("{} x {} posts: at most {} a side: use another method", cols, rows,
+                            (1 << kMaxLog2Cells) + 1));
   const auto cells = static_cast<unsigned>(std::max({cols - 1, rows - 1, 2}));
-  const int k = static_cast<int>(std::bit_width(cells - 1));
-  if (k > kMaxLog2Cells)
-    throw Error(ErrorCode::Limit, fmt::format("bintree: {} x {} posts, at most {} a side: use "
-                                              "another method",
-                                              cols, rows, (1 << kMaxLog2Cells) + 1));
-  return Domain(k);
+  return Domain(static_cast<int>(std::bit_width(cells - 1)));
+}
+
+bool Domain::fits(int cols, int rows) {
+  return std::max(cols, rows) - 1 <= 1 << kMaxLog2Cells;
 }
 
 VertexIndex Domain::index_of(Post post) const {

@@ -54,8 +54,10 @@ class Domain {
   /// Requires: 1 <= log2_cells <= kMaxLog2Cells.
   explicit Domain(int log2_cells) : k_(log2_cells) { assert(k_ >= 1 && k_ <= kMaxLog2Cells); }
   /// The smallest over cols x rows posts, at least 2 cells a side.
-  /// Throws: Limit beyond 2^kMaxLog2Cells cells.
+  /// Throws: Limit where it does not fit; who knows the terrain's name asks fits() first.
   static Domain over(int cols, int rows);
+  /// At most 2^kMaxLog2Cells cells a side.
+  static bool fits(int cols, int rows);
 
   static constexpr int kMaxLog2Cells = 20;
   int log2_cells() const { return k_; }
