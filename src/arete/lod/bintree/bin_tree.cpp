@@ -1,25 +1,17 @@
 #include "arete/lod/bintree/bin_tree.h"
 
-#include <algorithm>
-
 namespace arete::lod::bintree {
 namespace {
 
 constexpr std::uint32_t kRoots = 4;
-
-Ticks earlier(const Ticks& a, const Ticks& b) {
-  return {std::min(a[Move], b[Move]), std::min(a[Scale], b[Scale]), std::min(a[Turn], b[Turn])};
-}
+constexpr std::uint32_t kNone = VertexArray::kNone;
 
 }  // namespace
 
 BinTree::BinTree(Ground& ground, VertexArray& vertices, const Options& options)
-    : ground_(ground),
-      vertices_(vertices),
-      reuse_(options.reuse),
-      capacity_(options.capacity),
-      nodes_(kRoots) {
+    : ground_(ground), vertices_(vertices), visit_(options.visit), capacity_(options.capacity) {
   make_room();
+  plant();
 }
 
 // For the capacity and what one frame may add: so that frames allocate nothing once warm.
@@ -28,186 +20,270 @@ void BinTree::make_room() {
   nodes_.reserve(nodes);
   old_nodes_.reserve(nodes);
   vertices_.reserve(nodes);
+  triangles_.reserve(nodes);
+  ends_.reserve(nodes);
+  for (std::vector<std::uint32_t>* list : {&ended_, &waiting_, &waited_}) list->reserve(nodes);
 }
 
-BinTree::Triangle BinTree::root(std::size_t i) const {
-  const RootTriangle& r = kRootTriangles[i];
+// The four root triangles, to be looked at by the first frame.
+void BinTree::plant() {
   const auto slot = [](VertexIndex corner) {
     return VertexArray::kFirstCornerSlot + static_cast<std::uint32_t>(corner - kSouthWest);
   };
-  return {kCentre,      r.middle,      VertexArray::kCentreSlot,
-          slot(r.left), slot(r.right), ground_.domain().depths() - 1};
+  for (std::uint32_t i = 0; i < kRoots; ++i) {
+    nodes_.push_back({.apex = VertexArray::kCentreSlot,
+                      .left = slot(kRootTriangles[i].left),
+                      .right = slot(kRootTriangles[i].right),
+                      .levels = static_cast<std::int8_t>(ground_.domain().depths() - 1)});
+    draw(i);
+    wait(i);
+  }
 }
 
 Findings BinTree::refine(const Frame& frame) {
   frame_ = &frame;
   findings_ = {};
   pages_ahead_.clear();
-  indices_.begin();
-  std::array<std::uint32_t, kRoots> counts;
-  for (std::uint32_t i = 0; i < kRoots; ++i) counts[i] = nodes_[i].indices;
-  std::uint32_t at = 0;
-  for (std::uint32_t i = 0; i < kRoots; ++i) {
-    visit(i, root(i), {!fresh_, at});
-    at += counts[i];
-    findings_.delta = std::max(findings_.delta, nodes_[i].delta);
-  }
-  fresh_ = false;
-  indices_.end();
-  findings_.halved = indices_.all().size() / 3 - kRoots;
+  settle_waiting();
+  update_ended();
+  count_late();
+  findings_.delta = deltas_.greatest();
+  findings_.halved = triangles_.size() - kRoots;
   return findings_;
 }
 
-void BinTree::visit(std::uint32_t node, const Triangle& t, Before before) {
-  Node& n = nodes_[node];
-  if (before.drawn && reuse_ == Reuse::Subtrees && alive(frame_->odometer.now(), n.until)) {
-    indices_.copy(before.at, n.indices);
-    return;
+void BinTree::settle_waiting() {
+  waited_.swap(waiting_);
+  waiting_.clear();
+  for (const std::uint32_t node : waited_) {
+    nodes_[node].waits = false;
+    if (nodes_[node].state == State::Whole) settle(node);
   }
+}
+
+// Those that the tree has left are forgotten; they are evaluated anew when they come back.
+void BinTree::update_ended() {
+  ended_.clear();
+  if (visit_ == Visit::Ended) {
+    ends_.take_ended(frame_->odometer.now(), ended_);
+  } else {
+    for (std::uint32_t i = 0; i < kRoots; ++i) find_ended_below(i);
+  }
+  for (const std::uint32_t vertex : ended_) {
+    if (vertices_.halves(vertex) == VertexArray::kNoHalves) continue;
+    ++findings_.visited;
+    update(vertex);
+    look_ahead(vertex);
+  }
+}
+
+void BinTree::find_ended_below(std::uint32_t node) {
+  const Node& n = nodes_[node];
+  if (n.levels == 0) return;
   ++findings_.visited;
-  const Status status = status_of(n, t, before);
-  if (status == Status::Halved) return draw_halves(node, t, before);
-  draw_whole(n, t, before);
-  if (status == Status::Late) count_late(t);
+  if (n.vertex != kNone && !lasts(n.vertex)) ended_.push_back(n.vertex);
+  if (n.state != State::Halved) return;
+  find_ended_below(n.child);
+  find_ended_below(n.child + 1);
 }
 
-// A node remembers how long its vertex's status lasts, so those on the way to a change look at
-// nothing else.
-BinTree::Status BinTree::status_of(Node& node, const Triangle& t, Before before) {
-  if (before.drawn && !frame_->figure_6 && alive(frame_->odometer.now(), node.own))
-    return node.halved ? Status::Halved : Status::Whole;
-  const bool there = find_vertex(node, t);
-  const LiveVertex* vertex = there ? &vertices_.live(node.vertex) : nullptr;
-  node.own = there ? vertex->until : Ticks{};
-  node.own_delta = there ? vertex->record.delta : Code{0};
-  if (!there) return Status::Late;
-  if (vertex->active()) return Status::Halved;
-  if (vertex->visible && t.levels > 1) look_ahead(t);
-  return Status::Whole;
-}
-
-// A range that just ended and left the triangle whole is a short one again: it may be halved soon.
-void BinTree::look_ahead(const Triangle& t) {
-  if (frame_->rule.options.on_missing != OnMissing::Defer) return;
-  for (const VertexIndex child : {left_child(t.p, t.g), right_child(t.p, t.g)}) {
-    const std::uint64_t page = RecordPages::page_of(child);
-    if (pages_ahead_.empty() || pages_ahead_.back() != page) pages_ahead_.push_back(page);
+void BinTree::count_late() {
+  std::erase_if(waiting_, [&](std::uint32_t node) {
+    Node& n = nodes_[node];
+    n.waits = n.waits && n.state == State::Whole;
+    return !n.waits;
+  });
+  for (const std::uint32_t node : waiting_) {
+    const Node& n = nodes_[node];
+    findings_.add_late(frame_->rule, vertices_.ball(n.apex),
+                       ground_.pages().delta_max(ground_.domain().depths() - n.levels));
   }
 }
 
-// Brings the vertex's status up to date. False when the vertex or an ancestor is not there.
-bool BinTree::find_vertex(Node& node, const Triangle& t) {
-  if (node.vertex == VertexArray::kNone) {
-    node.vertex =
-        vertices_.acquire(t.g, middle_of(vertices_.post(t.left), vertices_.post(t.right)));
-    if (node.vertex == VertexArray::kNone) return false;
+// A triangle that was not looked at in this frame.
+void BinTree::settle(std::uint32_t node) {
+  if (nodes_[node].levels == 0) return;
+  ++findings_.visited;
+  if (!find_vertex(node)) return wait(node);
+  const std::uint32_t vertex = nodes_[node].vertex;
+  if (!lasts(vertex)) return update(vertex);
+  ends_.set(vertex, vertices_.live(vertex).until);
+  conform(node);
+}
+
+// Its status, then both triangles that it halves.
+void BinTree::update(std::uint32_t vertex) {
+  if (!lasts(vertex)) evaluate(vertex);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::uint32_t node = vertices_.halves(vertex)[i];
+    if (node != kNone) conform(node);
   }
-  const LiveVertex& vertex = vertices_.live(node.vertex);
-  const bool dead = !alive(frame_->odometer.now(), vertex.until);
+}
+
+void BinTree::conform(std::uint32_t node) {
+  const std::uint32_t vertex = nodes_[node].vertex;
+  const bool halved = nodes_[node].state == State::Halved;
+  if (!vertices_.live(vertex).wanted()) {
+    if (halved) mend(node);
+  } else if (!halved) {
+    vertices_.root(vertex) ? halve(node) : wait(node);
+  }
+}
+
+void BinTree::halve(std::uint32_t node) {
+  const std::uint32_t child = children_of(node);
+  undraw(node);
+  nodes_[node].state = State::Halved;
+  enter(child);
+  enter(child + 1);
+  settle(child);
+  settle(child + 1);
+}
+
+void BinTree::mend(std::uint32_t node) {
+  leave(nodes_[node].child);
+  leave(nodes_[node].child + 1);
+  draw(node);
+}
+
+void BinTree::leave(std::uint32_t node) {
+  Node& n = nodes_[node];
+  if (n.state == State::Halved) {
+    leave(n.child);
+    leave(n.child + 1);
+  } else {
+    undraw(node);
+  }
+  n.state = State::Out;
+  if (n.vertex != kNone) vertices_.detach(n.vertex, node);
+}
+
+void BinTree::enter(std::uint32_t node) {
+  draw(node);
+  if (nodes_[node].vertex != kNone) vertices_.attach(nodes_[node].vertex, node);
+}
+
+void BinTree::draw(std::uint32_t node) {
+  Node& n = nodes_[node];
+  n.state = State::Whole;
+  // Triangles of odd depth are wound counter-clockwise (vertex_index.h), and depths are even in
+  // number.
+  const bool turn = (n.levels & 1) == 0;
+  n.place = triangles_.add(node, {n.apex, turn ? n.right : n.left, turn ? n.left : n.right});
+  if (n.vertex != kNone) deltas_.add(vertices_.live(n.vertex).record.delta);
+}
+
+void BinTree::undraw(std::uint32_t node) {
+  const Node& n = nodes_[node];
+  nodes_[triangles_.remove(n.place)].place = n.place;
+  if (n.vertex != kNone) deltas_.remove(vertices_.live(n.vertex).record.delta);
+}
+
+// Children stand in pairs behind four roots: left ones have even numbers.
+VertexIndex BinTree::index_of_vertex(std::uint32_t node) const {
+  if (node < kRoots) return kRootTriangles[node].middle;
+  const Node& n = nodes_[node];
+  const VertexIndex middle = vertices_.index(n.apex);  // of the parent, whose apex is a corner
+  return node % 2 == 0 ? left_child(vertices_.index(n.right), middle)
+                       : right_child(vertices_.index(n.left), middle);
+}
+
+bool BinTree::find_vertex(std::uint32_t node) {
+  Node& n = nodes_[node];
+  if (n.vertex != kNone) return true;
+  n.vertex = vertices_.acquire(index_of_vertex(node),
+                               middle_of(vertices_.post(n.left), vertices_.post(n.right)));
+  if (n.vertex == kNone) return false;
+  vertices_.attach(n.vertex, node);
+  deltas_.add(vertices_.live(n.vertex).record.delta);
+  return true;
+}
+
+bool BinTree::lasts(std::uint32_t vertex) const {
+  const LiveVertex& v = vertices_.live(vertex);
   // "If v's bounding sphere overlaps the view volume and d_tau is not negative, d_c is
   // re-evaluated [...] when v is not completely within" [BaoPajarolaShafae2004, 4.4 and Figure 6]:
   // by the flags from before the rotation.
-  const bool doubted = frame_->figure_6 && vertex.selected && vertex.visible && !vertex.inside;
-  if (!dead && !doubted) return true;
-  evaluate(node.vertex);
-  if (!vertex.selected || !vertex.visible || vertices_.root(node.vertex)) return true;
-  vertices_.live(node.vertex).until = {};
-  return false;
+  const bool doubted = frame_->figure_6 && v.wanted() && !v.inside;
+  return !doubted && alive(frame_->odometer.now(), v.until);
 }
 
-void BinTree::evaluate(std::uint32_t slot) {
+void BinTree::evaluate(std::uint32_t vertex) {
   ++findings_.evaluated;
-  LiveVertex& vertex = vertices_.live(slot);
-  frame_->evaluation(vertices_.ball(slot), vertex);
-  if (vertex.selected && !vertex.visible) ++findings_.culled;
+  LiveVertex& v = vertices_.live(vertex);
+  frame_->evaluation(vertices_.ball(vertex), v);
+  if (v.selected && !v.visible) ++findings_.culled;
+  ends_.set(vertex, v.until);
 }
 
-void BinTree::draw_whole(Node& node, const Triangle& t, Before before) {
-  if (before.drawn && !node.halved) {
-    indices_.copy(before.at, 3);  // as it was: the stretch goes on
-  } else {
-    // Triangles of odd depth are wound counter-clockwise (vertex_index.h), and depths are even in
-    // number.
-    const bool turn = (t.levels & 1) == 0;
-    indices_.triangle(t.apex, turn ? t.right : t.left, turn ? t.left : t.right);
+// A range that just ended and left the triangle whole is a short one again: it may be halved soon.
+void BinTree::look_ahead(std::uint32_t vertex) {
+  if (frame_->rule.options.on_missing != OnMissing::Defer) return;
+  const LiveVertex& v = vertices_.live(vertex);
+  if (v.selected || !v.visible) return;
+  for (const std::uint32_t node : vertices_.halves(vertex)) {
+    if (node == kNone || nodes_[node].levels == 1) continue;
+    const VertexIndex apex = vertices_.index(nodes_[node].apex);
+    const VertexIndex middle = vertices_.index(vertex);
+    for (const VertexIndex child : {left_child(apex, middle), right_child(apex, middle)}) {
+      const std::uint64_t page = RecordPages::page_of(child);
+      if (pages_ahead_.empty() || pages_ahead_.back() != page) pages_ahead_.push_back(page);
+    }
   }
-  node.indices = 3;
-  node.halved = false;
-  node.until = node.own;
-  node.delta = node.own_delta;
 }
 
-void BinTree::count_late(const Triangle& t) {
-  findings_.add_late(frame_->rule, vertices_.ball(t.apex),
-                     ground_.pages().delta_max(ground_.domain().depths() - t.levels));
-}
-
-// The halves of the last bisection have no vertices to look at.
-void BinTree::draw_last_halves(Node& node, const Triangle& t, Before before) {
-  if (before.drawn && node.halved) {
-    indices_.copy(before.at, 6);
-  } else {
-    indices_.triangle(node.vertex, t.apex, t.left);
-    indices_.triangle(node.vertex, t.right, t.apex);
-  }
-  node.until = node.own;
-  node.indices = 6;
-  node.delta = 0;
-  node.halved = true;
-}
-
-void BinTree::draw_halves(std::uint32_t node, const Triangle& t, Before before) {
-  if (t.levels == 1) return draw_last_halves(nodes_[node], t, before);
-  const std::uint32_t middle = nodes_[node].vertex;
-  const std::uint32_t child = children_of(node);
-  const bool drawn = before.drawn && nodes_[node].halved;
-  const std::uint32_t right_at = before.at + nodes_[child].indices;
-  visit(child, {t.g, left_child(t.p, t.g), middle, t.left, t.apex, t.levels - 1},
-        {drawn, before.at});
-  visit(child + 1, {t.g, right_child(t.p, t.g), middle, t.apex, t.right, t.levels - 1},
-        {drawn, right_at});
-  const Node& left = nodes_[child];
-  const Node& right = nodes_[child + 1];
-  Node& n = nodes_[node];
-  n.until = earlier(n.own, earlier(left.until, right.until));
-  n.indices = left.indices + right.indices;
-  n.delta = std::max(left.delta, right.delta);
-  n.halved = true;
+void BinTree::wait(std::uint32_t node) {
+  if (nodes_[node].waits) return;
+  nodes_[node].waits = true;
+  waiting_.push_back(node);
 }
 
 std::uint32_t BinTree::children_of(std::uint32_t node) {
-  if (nodes_[node].child == 0) {
-    nodes_[node].child = static_cast<std::uint32_t>(nodes_.size());
-    nodes_.resize(nodes_.size() + 2);
-  }
-  return nodes_[node].child;
+  const Node n = nodes_[node];
+  if (n.child != 0) return n.child;
+  const auto child = static_cast<std::uint32_t>(nodes_.size());
+  const auto levels = static_cast<std::int8_t>(n.levels - 1);
+  nodes_[node].child = child;
+  nodes_.push_back({.apex = n.vertex, .left = n.left, .right = n.apex, .levels = levels});
+  nodes_.push_back({.apex = n.vertex, .left = n.apex, .right = n.right, .levels = levels});
+  return child;
+}
+
+void BinTree::expire() {
+  vertices_.expire();
+  for (std::uint32_t vertex = 0; vertex < vertices_.size(); ++vertex) ends_.set(vertex, {});
 }
 
 void BinTree::collect() {
   old_nodes_.swap(nodes_);
-  nodes_.assign(kRoots, {});
+  nodes_.resize(kRoots);
+  triangles_.clear();
+  deltas_.clear();
+  ends_.clear();
+  waiting_.clear();
   vertices_.begin_collection();
-  for (std::uint32_t i = 0; i < kRoots; ++i) keep_subtree(i, i, kCentre, kRootTriangles[i].middle);
+  for (std::uint32_t i = 0; i < kRoots; ++i) keep(i, i);
   vertices_.end_collection();
   old_nodes_.clear();
-  fresh_ = true;
   if (2 * nodes_.size() <= capacity_) return;
   capacity_ *= 2;
   make_room();
 }
 
-void BinTree::keep_subtree(std::uint32_t from, std::uint32_t to, VertexIndex p, VertexIndex g) {
-  nodes_[to] = old_nodes_[from];
-  nodes_[to].vertex = vertices_.keep(old_nodes_[from].vertex, g);
-  const std::uint32_t child = old_nodes_[from].child;
-  if (!old_nodes_[from].halved || child == 0) {
-    nodes_[to].child = 0;
-    return;
-  }
-  nodes_[to].child = 0;
-  const std::uint32_t kept = children_of(to);
-  keep_subtree(child, kept, g, left_child(p, g));
-  keep_subtree(child + 1, kept + 1, g, right_child(p, g));
+void BinTree::keep(std::uint32_t from, std::uint32_t to) {
+  const Node old = old_nodes_[from];
+  Node& n = nodes_[to];
+  n = old;
+  for (std::uint32_t* slot : {&n.apex, &n.left, &n.right, &n.vertex}) *slot = vertices_.keep(*slot);
+  n.child = 0;
+  n.waits = false;
+  if (n.vertex != kNone) ends_.set(n.vertex, vertices_.live(n.vertex).until);
+  if (old.waits) wait(to);
+  if (old.state == State::Whole) return enter(to);
+  if (n.vertex != kNone) vertices_.attach(n.vertex, to);
+  const std::uint32_t child = children_of(to);
+  keep(old.child, child);
+  keep(old.child + 1, child + 1);
 }
 
 }  // namespace arete::lod::bintree

@@ -1,27 +1,29 @@
 #pragma once
 
-#include <array>
 #include <vector>
 
-#include "arete/lod/bintree/index_list.h"
+#include "arete/lod/bintree/code_counts.h"
 #include "arete/lod/bintree/live_range.h"
+#include "arete/lod/bintree/range_ends.h"
+#include "arete/lod/bintree/triangle_list.h"
 #include "arete/lod/bintree/vertex_array.h"
 #include "arete/lod/bintree/walk.h"
 
 namespace arete::lod::bintree {
 
-/// What a tree does with live ranges.
-enum class Reuse {
-  Subtrees,  ///< a subtree all of whose ranges last is copied, not visited [METHODS 8.11]
-  Statuses,  ///< every node is visited and its range checked: the paper
+/// Which vertices of the tree a frame looks at.
+enum class Visit {
+  Ended,  ///< those whose live range has ended: a frame costs what changes
+  All,    ///< every one, to check its range: the paper
 };
 
-/// The bin-tree array: nodes in the order in which they were met, children in pairs, with the
-/// triangles of the frame before [BaoPajarolaShafae2004, 4.5].
+/// The bin-tree array: triangles in the order in which they were met, children in pairs
+/// [BaoPajarolaShafae2004, 4.5]. It stays as it is between frames; a frame halves or mends the
+/// triangles of those vertices whose status has changed.
 class BinTree {
  public:
   struct Options {
-    Reuse reuse = Reuse::Subtrees;
+    Visit visit = Visit::Ended;
     std::size_t capacity = std::size_t{1} << 16U;  ///< nodes, to begin with
   };
   BinTree(Ground& ground, VertexArray& vertices, const Options& options);
@@ -34,73 +36,73 @@ class BinTree {
     /// Re-evaluates culling where Figure 6 as printed does: on rotation.
     bool figure_6 = false;
   };
-  /// Refines the four root triangles; indices() are of this frame then.
+  /// Brings the tree up to date; indices() are of this frame then, in no order.
   Findings refine(const Frame& frame);
-  std::span<const std::uint32_t> indices() const { return indices_.all(); }
+  std::span<const std::uint32_t> indices() const { return triangles_.indices(); }
 
   /// Pages of vertices that the next frames may ask for: below what is drawn whole and whose range
   /// ended in this frame. Kept under OnMissing::Defer only.
   std::span<const std::uint64_t> pages_ahead() const { return pages_ahead_; }
 
-  /// The next frame visits every node.
-  void forget_triangles() { fresh_ = true; }
-  /// Keeps the nodes of the latest frame, in depth-first order, and their vertices. Doubles the
-  /// capacity when it is more than half full of them. The vertices' key changes.
+  /// Ends all live ranges.
+  void expire();
+  /// Keeps the triangles that are drawn or halved, in depth-first order, and their vertices.
+  /// Doubles the capacity when it is more than half full of them. The vertices' key changes.
   void collect();
   bool is_full() const { return nodes_.size() > capacity_; }
-  std::size_t size() const { return nodes_.size(); }
-  std::size_t bytes() const { return nodes_.capacity() * sizeof(Node); }
 
  private:
-  /// A triangle of the bin-tree, and what was drawn of it in the latest frame that drew it.
+  enum class State : std::uint8_t { Out, Whole, Halved };
+  /// A triangle: apex, base from left to right, halved by `vertex`; slots of the vertex array.
   struct Node {
-    std::uint32_t child = 0;  ///< the left one; the right one follows; 0 = none yet
-    std::uint32_t vertex = VertexArray::kNone;  ///< that halves it
-    Ticks until{};                              ///< least of the subtree drawn
-    Ticks own{};                                ///< of its vertex alone, when last looked at
-    std::uint32_t indices = 0;                  ///< drawn
-    Code delta = 0;                             ///< largest of the triangles drawn whole
-    Code own_delta = 0;                         ///< of its vertex
-    bool halved = false;
-  };
-  /// A node's triangle: apex p, base from left to right, halved by g.
-  struct Triangle {
-    VertexIndex p, g;
-    std::uint32_t apex, left, right;
-    int levels;  ///< bisections that the domain has left, this one included
-  };
-  /// Where the frame before drew it; not drawn = it must be visited.
-  struct Before {
-    bool drawn;
-    std::uint32_t at;
+    std::uint32_t apex = 0, left = 0, right = 0;
+    std::uint32_t vertex = VertexArray::kNone;  ///< once it was found
+    std::uint32_t child = 0;                    ///< the left one; the right one follows; 0 = none
+    std::uint32_t place = 0;                    ///< in the list, while whole
+    std::int8_t levels = 0;  ///< bisections that the domain has left, this one included
+    State state = State::Out;
+    bool waits = false;  ///< whole, and its vertex or an ancestor of that is not there
   };
 
-  void visit(std::uint32_t node, const Triangle& t, Before before);
-  /// What a frame makes of a triangle.
-  enum class Status { Halved, Whole, Late };
-  Status status_of(Node& node, const Triangle& t, Before before);
-  bool find_vertex(Node& node, const Triangle& t);
-  void draw_whole(Node& node, const Triangle& t, Before before);
-  void draw_last_halves(Node& node, const Triangle& t, Before before);
-  void count_late(const Triangle& t);
-  void look_ahead(const Triangle& t);
-  void draw_halves(std::uint32_t node, const Triangle& t, Before before);
-  void evaluate(std::uint32_t slot);
+  void settle(std::uint32_t node);
+  void update(std::uint32_t vertex);
+  void conform(std::uint32_t node);
+  void halve(std::uint32_t node);
+  void mend(std::uint32_t node);
+  void leave(std::uint32_t node);
+
+  void settle_waiting();
+  void update_ended();
+  void find_ended_below(std::uint32_t node);
+  void count_late();
+
+  VertexIndex index_of_vertex(std::uint32_t node) const;
+  bool find_vertex(std::uint32_t node);
+  bool lasts(std::uint32_t vertex) const;
+  void evaluate(std::uint32_t vertex);
+  void look_ahead(std::uint32_t vertex);
+  void wait(std::uint32_t node);
   std::uint32_t children_of(std::uint32_t node);
+
+  void enter(std::uint32_t node);
+  void draw(std::uint32_t node);
+  void undraw(std::uint32_t node);
   void make_room();
-  void keep_subtree(std::uint32_t from, std::uint32_t to, VertexIndex p, VertexIndex g);
-  Triangle root(std::size_t i) const;
+  void plant();
+  void keep(std::uint32_t from, std::uint32_t to);
 
   Ground& ground_;
   VertexArray& vertices_;
-  Reuse reuse_;
+  Visit visit_;
   std::size_t capacity_;
   std::vector<Node> nodes_, old_nodes_;
-  IndexList indices_;
+  TriangleList triangles_;
+  CodeCounts deltas_;  ///< of the vertices of whole triangles
+  RangeEnds ends_;     ///< of the vertices' live ranges, by slot
+  std::vector<std::uint32_t> ended_, waiting_, waited_;
   std::vector<std::uint64_t> pages_ahead_;
   Findings findings_;
   const Frame* frame_ = nullptr;
-  bool fresh_ = true;
 };
 
 }  // namespace arete::lod::bintree

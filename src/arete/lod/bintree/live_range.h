@@ -15,7 +15,8 @@ struct LiveVertex {
   bool visible = false;   ///< d_c >= 0
   bool inside = false;    ///< all of its ball is within the view volume
   bool rooted = false;    ///< its ancestors are known to be there
-  bool active() const { return selected && visible && rooted; }
+  bool wanted() const { return selected && visible; }
+  bool active() const { return wanted() && rooted; }
 };
 
 /// Which safe distance a status keeps.

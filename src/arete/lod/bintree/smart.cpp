@@ -86,10 +86,7 @@ class SmartEngine final : public Engine {
     const Criterion criterion(view, error);
     const bool holds = odometer_.advance(criterion) && options.cull == culled_;
     culled_ = options.cull;
-    if (!holds) {
-      vertices_.expire();
-      tree_.forget_triangles();
-    }
+    if (!holds) tree_.expire();
     const Evaluation evaluation(
         criterion, odometer_,
         {.safe = options_.literal ? SafeDistance::Least : SafeDistance::Status,
@@ -131,16 +128,15 @@ double spacing_m(const store::Terrain& terrain) {
 
 std::unique_ptr<Engine> open_smart(const store::Terrain& terrain, const Params& params) {
   check_names(params,
-              {"delta", "pages", "prefetch", "tick", "ticks", "reuse", "capacity", "literal"});
+              {"delta", "pages", "prefetch", "tick", "ticks", "visit", "capacity", "literal"});
   Options options;
   options.pages = page_options(params);
   options.literal = flag_param(params, "literal");
   options.rounding = choice_param(
       params, "ticks", options.literal ? Rounding::Floor : Rounding::Exact,
       {{"exact", Rounding::Exact}, {"ceil", Rounding::Ceil}, {"floor", Rounding::Floor}});
-  options.tree.reuse =
-      choice_param(params, "reuse", options.literal ? Reuse::Statuses : Reuse::Subtrees,
-                   {{"subtrees", Reuse::Subtrees}, {"statuses", Reuse::Statuses}});
+  options.tree.visit = choice_param(params, "visit", options.literal ? Visit::All : Visit::Ended,
+                                    {{"ended", Visit::Ended}, {"all", Visit::All}});
   options.tree.capacity =
       static_cast<std::size_t>(int_param(params, "capacity", 1 << 16, {16, 1 << 28}));
   options.tick_m = 1e-3 * int_param(params, "tick", 20, {1, 1'000'000}) * spacing_m(terrain);

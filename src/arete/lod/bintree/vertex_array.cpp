@@ -15,12 +15,17 @@ void VertexArray::reserve(std::size_t vertices) {
   old_drawn_.reserve(vertices);
   live_.reserve(vertices);
   old_live_.reserve(vertices);
+  index_.reserve(vertices);
+  old_index_.reserve(vertices);
+  halves_.reserve(vertices);
 }
 
 std::uint32_t VertexArray::append(VertexIndex index, Post post, const Record& record) {
   const auto slot = static_cast<std::uint32_t>(drawn_.size());
   drawn_.push_back({.post = post, .z = static_cast<float>(ground_.z_of(record))});
   live_.push_back({.record = record});
+  index_.push_back(index);
+  halves_.push_back(kNoHalves);
   slots_.set(index, slot);
   return slot;
 }
@@ -53,6 +58,16 @@ bool VertexArray::root(std::uint32_t slot) {
   return true;
 }
 
+void VertexArray::attach(std::uint32_t slot, std::uint32_t triangle) {
+  Halves& halves = halves_[slot];
+  halves[halves[0] == kNone ? 0 : 1] = triangle;
+}
+
+void VertexArray::detach(std::uint32_t slot, std::uint32_t triangle) {
+  Halves& halves = halves_[slot];
+  halves[halves[0] == triangle ? 0 : 1] = kNone;
+}
+
 void VertexArray::expire() {
   for (LiveVertex& v : live_) v.until = {};
 }
@@ -60,20 +75,25 @@ void VertexArray::expire() {
 void VertexArray::begin_collection() {
   old_drawn_.swap(drawn_);
   old_live_.swap(live_);
+  old_index_.swap(index_);
   drawn_.clear();
   live_.clear();
+  index_.clear();
+  halves_.clear();
   slots_.clear();
   ++key_;
-  for (std::uint32_t slot = 0; slot < 5; ++slot)
-    keep(slot, slot == 0 ? kCentre : kSouthWest + slot - 1);
+  for (std::uint32_t slot = kCentreSlot; slot < kFirstCornerSlot + 4; ++slot) keep(slot);
 }
 
-std::uint32_t VertexArray::keep(std::uint32_t slot, VertexIndex index) {
+std::uint32_t VertexArray::keep(std::uint32_t slot) {
   if (slot == kNone) return kNone;
+  const VertexIndex index = old_index_[slot];
   if (const std::uint32_t* known = slots_.find(index)) return *known;
   const auto kept = static_cast<std::uint32_t>(drawn_.size());
   drawn_.push_back(old_drawn_[slot]);
   live_.push_back(old_live_[slot]);
+  index_.push_back(index);
+  halves_.push_back(kNoHalves);
   // Ancestors of active vertices are in the tree and kept; those of others may not be.
   LiveVertex& vertex = live_.back();
   vertex.rooted = vertex.active();
@@ -84,6 +104,7 @@ std::uint32_t VertexArray::keep(std::uint32_t slot, VertexIndex index) {
 void VertexArray::end_collection() {
   old_drawn_.clear();
   old_live_.clear();
+  old_index_.clear();
 }
 
 }  // namespace arete::lod::bintree

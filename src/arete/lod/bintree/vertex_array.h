@@ -15,6 +15,8 @@ namespace arete::lod::bintree {
 class VertexArray {
  public:
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  using Halves = std::array<std::uint32_t, 2>;
+  static constexpr Halves kNoHalves{kNone, kNone};
   /// The first five.
   static constexpr std::uint32_t kCentreSlot = 0, kFirstCornerSlot = 1;
 
@@ -33,6 +35,14 @@ class VertexArray {
   std::span<const std::uint64_t> missing_pages() const { return missing_pages_; }
 
   LiveVertex& live(std::uint32_t slot) { return live_[slot]; }
+  const LiveVertex& live(std::uint32_t slot) const { return live_[slot]; }
+  VertexIndex index(std::uint32_t slot) const { return index_[slot]; }
+  /// The triangles of the tree that the vertex halves or may, by the tree's numbers; kNone = none.
+  const Halves& halves(std::uint32_t slot) const { return halves_[slot]; }
+  /// Requires: one of them is none.
+  void attach(std::uint32_t slot, std::uint32_t triangle);
+  /// Requires: attached.
+  void detach(std::uint32_t slot, std::uint32_t triangle);
   Post post(std::uint32_t slot) const { return drawn_[slot].post; }
   Ball ball(std::uint32_t slot) const {
     return ground_.ball(drawn_[slot].post, live_[slot].record);
@@ -45,9 +55,9 @@ class VertexArray {
   /// Ends every live range.
   void expire();
 
-  /// Begins a copy that keeps what is kept, in that order, under a new key.
+  /// Begins a copy that keeps what is kept, in that order, under a new key; nothing is halved by it.
   void begin_collection();
-  std::uint32_t keep(std::uint32_t slot, VertexIndex index);
+  std::uint32_t keep(std::uint32_t slot);
   void end_collection();
 
  private:
@@ -57,6 +67,8 @@ class VertexArray {
   OnMissing on_missing_ = OnMissing::Wait;
   std::vector<Vertex> drawn_, old_drawn_;
   std::vector<LiveVertex> live_, old_live_;
+  std::vector<VertexIndex> index_, old_index_;
+  std::vector<Halves> halves_;
   IndexMap slots_, missing_;
   std::vector<std::uint64_t> missing_pages_;
   BlockKey key_ = 1;
