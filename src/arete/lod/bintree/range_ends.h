@@ -9,8 +9,8 @@
 namespace arete::lod::bintree {
 
 /// When live ranges end, so that those that ended are found without a look at the others: the least
-/// limits of every 8 places, of every 64, and so on. What METHODS 8.11 does with a timing wheel, for
-/// three clocks at once.
+/// limits of every 8 places, of every 64, and so on. What METHODS 8.11 does with a timing wheel,
+/// for three clocks at once.
 class RangeEnds {
  public:
   /// Takes the memory for so many places.

@@ -55,7 +55,8 @@ class VertexArray {
   /// Ends every live range.
   void expire();
 
-  /// Begins a copy that keeps what is kept, in that order, under a new key; nothing is halved by it.
+  /// Begins a copy that keeps what is kept, in that order, under a new key; nothing is halved by
+  /// it.
   void begin_collection();
   std::uint32_t keep(std::uint32_t slot);
   void end_collection();
