@@ -70,7 +70,7 @@ void BinTree::update_ended() {
     for (std::uint32_t i = 0; i < kRoots; ++i) find_ended_below(i);
   }
   for (const std::uint32_t vertex : ended_) {
-    if (vertices_.halves(vertex) == VertexArray::kNoHalves) continue;
+    if (!vertices_.is_attached(vertex)) continue;
     ++findings_.visited;
     update(vertex);
     look_ahead(vertex);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 
 #include "arete/lod/bintree/criterion.h"
 
@@ -16,8 +17,9 @@ enum Clock : int {
 inline constexpr std::size_t kClocks = 3;
 
 /// Ticks of each clock: readings, or what readings a status outlives.
-using Ticks = std::array<std::uint32_t, kClocks>;
-inline constexpr std::uint32_t kForever = ~std::uint32_t{0};
+using Tick = std::int32_t;
+using Ticks = std::array<Tick, kClocks>;
+inline constexpr Tick kForever = std::numeric_limits<Tick>::max();
 
 /// True while every reading is below its limit: an integer test a clock.
 inline bool alive(const Ticks& now, const Ticks& until) {
@@ -45,7 +47,7 @@ class Odometer {
   Odometer(double move_tick_m, Rounding rounding);
 
   /// Goes on to the next frame. False when the ranges given so far are void: the first frame, after
-  /// a change that no clock measures, and every 2^31 ticks.
+  /// a change that no clock measures, and every 2^30 ticks.
   bool advance(const Criterion& criterion);
   const Ticks& now() const { return now_; }
   Ticks until(const Allowance& allowance) const;

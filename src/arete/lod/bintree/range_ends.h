@@ -15,7 +15,7 @@ class RangeEnds {
  public:
   /// Takes the memory for so many places.
   void reserve(std::size_t places);
-  /// Sets a place's limits. Cost: a few ns.
+  /// Sets a place's limits.
   void set(std::uint32_t place, const Ticks& until);
   /// Appends the places whose range has ended, in ascending order, and forgets them until they are
   /// set again. Cost: of them, and a look at every 512th place.
@@ -25,12 +25,20 @@ class RangeEnds {
 
  private:
   static constexpr std::size_t kFan = 8, kLevels = 4;
+  /// The limits of 8 places, or the least ones of 8 blocks, by clock: what vector code likes.
+  struct Block {
+    std::array<std::array<Tick, kFan>, kClocks> until;
+  };
 
-  Ticks take_below(std::size_t level, std::size_t i, const Ticks& now,
-                   std::vector<std::uint32_t>& ended);
+  static const Block kNever;
+  static Ticks least(const Block& block);
+  static void put(Block& block, std::size_t k, const Ticks& until);
+  static unsigned ended_in(const Block& block, const Ticks& now);
+  void take_from(std::size_t level, std::size_t block, const Ticks& now,
+                 std::vector<std::uint32_t>& ended);
 
-  /// [0] by place; [n][i] is no later than any of [n - 1][8 i .. 8 i + 7].
-  std::array<std::vector<Ticks>, kLevels> least_;
+  /// [0]: of places; place k of [n][i] is no later than any in [n - 1][8 i + k].
+  std::array<std::vector<Block>, kLevels> blocks_;
 };
 
 }  // namespace arete::lod::bintree

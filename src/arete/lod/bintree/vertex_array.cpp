@@ -7,25 +7,20 @@ VertexArray::VertexArray(Ground& ground) : ground_(ground) {
   append(kCentre, domain.post_of(kCentre), ground.centre());
   for (VertexIndex v = kSouthWest; v <= kNorthWest; ++v)
     append(v, domain.post_of(v), ground.corner(v));
-  for (LiveVertex& v : live_) v.rooted = true;
+  for (Place& place : places_) place.live.rooted = true;
 }
 
 void VertexArray::reserve(std::size_t vertices) {
   drawn_.reserve(vertices);
   old_drawn_.reserve(vertices);
-  live_.reserve(vertices);
-  old_live_.reserve(vertices);
-  index_.reserve(vertices);
-  old_index_.reserve(vertices);
-  halves_.reserve(vertices);
+  places_.reserve(vertices);
+  old_places_.reserve(vertices);
 }
 
 std::uint32_t VertexArray::append(VertexIndex index, Post post, const Record& record) {
   const auto slot = static_cast<std::uint32_t>(drawn_.size());
   drawn_.push_back({.post = post, .z = static_cast<float>(ground_.z_of(record))});
-  live_.push_back({.record = record});
-  index_.push_back(index);
-  halves_.push_back(kNoHalves);
+  places_.push_back({.live = {.record = record}, .index = index, .post = post});
   slots_.set(index, slot);
   return slot;
 }
@@ -47,39 +42,39 @@ std::uint32_t VertexArray::acquire(VertexIndex index, Post post) {
 }
 
 bool VertexArray::root(std::uint32_t slot) {
-  if (live_[slot].rooted) return true;
-  const Parents parents = parents_of(drawn_[slot].post, ground_.domain());
+  Place& place = places_[slot];
+  // The apex of a triangle of the tree has its ancestors there.
+  if (place.halves[0] != kNone && place.halves[1] != kNone) place.live.rooted = true;
+  if (place.live.rooted) return true;
+  const Parents parents = parents_of(places_[slot].post, ground_.domain());
   for (int i = 0; i < parents.count; ++i) {
     const Post post = parents.post[static_cast<std::size_t>(i)];
     const std::uint32_t at = acquire(ground_.domain().index_of(post), post);
     if (at == kNone || !root(at)) return false;
   }
-  live_[slot].rooted = true;
+  places_[slot].live.rooted = true;
   return true;
 }
 
 void VertexArray::attach(std::uint32_t slot, std::uint32_t triangle) {
-  Halves& halves = halves_[slot];
+  Halves& halves = places_[slot].halves;
   halves[halves[0] == kNone ? 0 : 1] = triangle;
 }
 
 void VertexArray::detach(std::uint32_t slot, std::uint32_t triangle) {
-  Halves& halves = halves_[slot];
+  Halves& halves = places_[slot].halves;
   halves[halves[0] == triangle ? 0 : 1] = kNone;
 }
 
 void VertexArray::expire() {
-  for (LiveVertex& v : live_) v.until = {};
+  for (Place& place : places_) place.live.until = {};
 }
 
 void VertexArray::begin_collection() {
   old_drawn_.swap(drawn_);
-  old_live_.swap(live_);
-  old_index_.swap(index_);
+  old_places_.swap(places_);
   drawn_.clear();
-  live_.clear();
-  index_.clear();
-  halves_.clear();
+  places_.clear();
   slots_.clear();
   ++key_;
   for (std::uint32_t slot = kCentreSlot; slot < kFirstCornerSlot + 4; ++slot) keep(slot);
@@ -87,24 +82,22 @@ void VertexArray::begin_collection() {
 
 std::uint32_t VertexArray::keep(std::uint32_t slot) {
   if (slot == kNone) return kNone;
-  const VertexIndex index = old_index_[slot];
+  const VertexIndex index = old_places_[slot].index;
   if (const std::uint32_t* known = slots_.find(index)) return *known;
   const auto kept = static_cast<std::uint32_t>(drawn_.size());
   drawn_.push_back(old_drawn_[slot]);
-  live_.push_back(old_live_[slot]);
-  index_.push_back(index);
-  halves_.push_back(kNoHalves);
+  places_.push_back(old_places_[slot]);
   // Ancestors of active vertices are in the tree and kept; those of others may not be.
-  LiveVertex& vertex = live_.back();
-  vertex.rooted = vertex.active();
+  Place& place = places_.back();
+  place.live.rooted = place.live.active();
+  place.halves = {kNone, kNone};
   slots_.set(index, kept);
   return kept;
 }
 
 void VertexArray::end_collection() {
   old_drawn_.clear();
-  old_live_.clear();
-  old_index_.clear();
+  old_places_.clear();
 }
 
 }  // namespace arete::lod::bintree

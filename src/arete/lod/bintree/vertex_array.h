@@ -16,7 +16,6 @@ class VertexArray {
  public:
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
   using Halves = std::array<std::uint32_t, 2>;
-  static constexpr Halves kNoHalves{kNone, kNone};
   /// The first five.
   static constexpr std::uint32_t kCentreSlot = 0, kFirstCornerSlot = 1;
 
@@ -34,18 +33,21 @@ class VertexArray {
   /// Pages of the vertices that could not be found in this frame.
   std::span<const std::uint64_t> missing_pages() const { return missing_pages_; }
 
-  LiveVertex& live(std::uint32_t slot) { return live_[slot]; }
-  const LiveVertex& live(std::uint32_t slot) const { return live_[slot]; }
-  VertexIndex index(std::uint32_t slot) const { return index_[slot]; }
+  LiveVertex& live(std::uint32_t slot) { return places_[slot].live; }
+  const LiveVertex& live(std::uint32_t slot) const { return places_[slot].live; }
+  VertexIndex index(std::uint32_t slot) const { return places_[slot].index; }
   /// The triangles of the tree that the vertex halves or may, by the tree's numbers; kNone = none.
-  const Halves& halves(std::uint32_t slot) const { return halves_[slot]; }
+  const Halves& halves(std::uint32_t slot) const { return places_[slot].halves; }
+  bool is_attached(std::uint32_t slot) const {
+    return halves(slot)[0] != kNone || halves(slot)[1] != kNone;
+  }
   /// Requires: one of them is none.
   void attach(std::uint32_t slot, std::uint32_t triangle);
   /// Requires: attached.
   void detach(std::uint32_t slot, std::uint32_t triangle);
-  Post post(std::uint32_t slot) const { return drawn_[slot].post; }
+  Post post(std::uint32_t slot) const { return places_[slot].post; }
   Ball ball(std::uint32_t slot) const {
-    return ground_.ball(drawn_[slot].post, live_[slot].record);
+    return ground_.ball(places_[slot].post, places_[slot].live.record);
   }
 
   /// The drawn vertices; they hold until collect().
@@ -62,14 +64,19 @@ class VertexArray {
   void end_collection();
 
  private:
+  /// All that a frame asks about a vertex, in one line of the processor's cache.
+  struct alignas(64) Place {
+    LiveVertex live;
+    Halves halves{kNone, kNone};
+    VertexIndex index = 0;
+    Post post;
+  };
   std::uint32_t append(VertexIndex index, Post post, const Record& record);
 
   Ground& ground_;
   OnMissing on_missing_ = OnMissing::Wait;
   std::vector<Vertex> drawn_, old_drawn_;
-  std::vector<LiveVertex> live_, old_live_;
-  std::vector<VertexIndex> index_, old_index_;
-  std::vector<Halves> halves_;
+  std::vector<Place> places_, old_places_;
   IndexMap slots_, missing_;
   std::vector<std::uint64_t> missing_pages_;
   BlockKey key_ = 1;
