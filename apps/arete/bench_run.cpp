@@ -78,7 +78,8 @@ BenchRun bench_method(const FlightFlags& flags, const std::string& method, Drawi
     canvas.emplace(*terrain, flags);
   }
   lod::RefineOptions options = flags.refine_options();
-  options.budget = budget_of(flags, *terrain, *engine, canvas ? &canvas->renderer : nullptr);
+  options.budget =
+      budget_of(flags, method, *terrain, *engine, canvas ? &canvas->renderer : nullptr);
   BenchRun run;
   run.method = method;
   run.frames = flags.frames;

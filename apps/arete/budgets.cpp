@@ -17,17 +17,34 @@ namespace {
                           given, why, least));
 }
 
-std::uint64_t vertices_in_memory(const FlightFlags& flags, const store::Terrain& terrain,
-                                 const lod::Footprint& method) {
+// The least --cache under which so much is left beside tiles.
+std::uint64_t with_tiles(std::uint64_t bytes) {
+  return bytes + (bytes - 1) / 3;
+}
+
+// Pages grow with the cache, so a method is asked anew for what it would take under what it needed
+// before. Its need grows more slowly than the cache: this ends, and at the least that will do.
+std::uint64_t least_cache(TerrainFlags flags, const std::string& method,
+                          const store::Terrain& terrain) {
+  while (true) {
+    const lod::Footprint takes = open_method(flags, method, terrain)->footprint();
+    const std::uint64_t least =
+        with_tiles(terrain.table_bytes() + takes.table_bytes + takes.least.vertex_bytes);
+    if (least <= flags.cache.count) return flags.cache.count;
+    flags.cache.count = least;
+  }
+}
+
+std::uint64_t vertices_in_memory(const FlightFlags& flags, const std::string& name,
+                                 const store::Terrain& terrain, const lod::Footprint& method) {
   const Bytes cache = flags.terrain.cache;
   const std::uint64_t tables = terrain.table_bytes() + method.table_bytes;
   const std::uint64_t left = cache.count - tile_bytes(cache);
   if (left < tables + method.least.vertex_bytes) {
-    const std::uint64_t need = tables + method.least.vertex_bytes;
     refuse(flags, "--cache", cache.count,
            fmt::format("tables take {} bytes and the coarsest surface {}", tables,
                        method.least.vertex_bytes),
-           need + need / 3 + 4);  // a quarter is for tiles
+           least_cache(flags.terrain, name, terrain));
   }
   return left - tables;
 }
@@ -48,12 +65,13 @@ std::uint64_t vertices_on_gpu(const FlightFlags& flags, const lod::Footprint& me
 
 }  // namespace
 
-lod::Budget budget_of(const FlightFlags& flags, const store::Terrain& terrain,
-                      const lod::Engine& engine, const render::Renderer* renderer) {
+lod::Budget budget_of(const FlightFlags& flags, const std::string& name,
+                      const store::Terrain& terrain, const lod::Engine& engine,
+                      const render::Renderer* renderer) {
   const lod::Footprint method = engine.footprint();
   lod::Budget budget;
   budget.triangles = flags.triangles;
-  budget.vertex_bytes = vertices_in_memory(flags, terrain, method);
+  budget.vertex_bytes = vertices_in_memory(flags, name, terrain, method);
   if (renderer != nullptr) {
     budget.vertex_bytes = std::min(budget.vertex_bytes, vertices_on_gpu(flags, method, *renderer));
   }

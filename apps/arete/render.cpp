@@ -55,7 +55,7 @@ class Studio {
         frame_(flags.flight.size.width, flags.flight.size.height),
         path_(scene::make_path(flags.flight.path, ground_of(*terrain_, store::Fetch::Wait))),
         options_(flags.flight.refine_options()) {
-    options_.budget = budget_of(flags.flight, *terrain_, *engine_, &renderer_);
+    options_.budget = budget_of(flags.flight, flags.method, *terrain_, *engine_, &renderer_);
   }
 
   const scene::Path& path() const { return path_; }

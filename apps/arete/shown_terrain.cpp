@@ -36,7 +36,7 @@ void ShownTerrain::change_method(const TerrainFlags& flags, const std::string& m
 }
 
 lod::Budget ShownTerrain::budget_under(const FlightFlags& flags) const {
-  return budget_of(flags, *opened_.terrain, *opened_.engine, &renderer_);
+  return budget_of(flags, opened_.method, *opened_.terrain, *opened_.engine, &renderer_);
 }
 
 std::uint64_t ShownTerrain::bytes() const {

@@ -105,7 +105,7 @@ proof::VerifyReport measure(const VerifyFlags& flags) {
   options.height = flags.flight.size.height;
   options.threads = default_threads();
   options.refine = flags.flight.refine_options();
-  options.refine.budget = budget_of(flags.flight, *terrain, *engine, nullptr);
+  options.refine.budget = budget_of(flags.flight, flags.method, *terrain, *engine, nullptr);
   options.gpu_memory = renderer_memory(flags.flight);
   if (!flags.dump.empty()) {
     options.dump = flags.dump;

@@ -133,6 +133,15 @@ for flag in "--triangles 9" "--cache 100K" "--gpu-memory 300K"; do
   done
 done
 absent no.png
+# The least cache that a refusal names is taken, and a byte less is not: pages grow with the cache.
+for method in full geomipmap soar smart; do
+  run=(bench t.arete --methods $method --frames 1 --size 160x90)
+  expect 1 "${run[@]}" --cache 20K
+  least=$(grep -o '[0-9]*$' stderr)
+  expect 1 "${run[@]}" --cache $((least - 1))
+  says stderr "allow at least $least"
+  expect 0 "${run[@]}" --cache "$least"
+done
 
 # A picture that fails half way leaves nothing.
 expect 1 render t.arete -o lost.png --size 160x90 --stats no/such/dir/stats.csv
