@@ -11,7 +11,7 @@ struct Count {
   void begin(Corner&) {}
   void halved(Corner&, int) {}
   void whole(Corner&, Corner&, Corner&, int) {}
-  void morph(Corner&, const Ball&, const Corner&, const Corner&) {}
+  void halving(Corner&, const Ball&, const Corner&, const Corner&) {}
   void root_done(Corner&) {}
 };
 

@@ -27,6 +27,9 @@ class Ground {
   /// Distance from the eye to the box of the domain, metres.
   double nearest_m(glm::dvec3 eye) const;
 
+  const Affine2& world_from_post() const { return world_from_post_; }
+  double offset_m() const { return offset_m_; }
+  double quantum_m() const { return quantum_m_; }
   double z_of(const Record& record) const { return offset_m_ + quantum_m_ * record.count; }
   Ball ball(Post post, const Record& record) const {
     return {glm::dvec3(world_from_post_.apply(post.col, post.row), z_of(record)),
@@ -47,12 +50,16 @@ class Ground {
 /// form a conforming surface whatever is missing.
 class Presence {
  public:
-  Presence(Ground& ground, OnMissing on_missing) : ground_(ground), on_missing_(on_missing) {}
+  explicit Presence(Ground& ground) : ground_(ground) {}
+  void begin_frame(OnMissing on_missing) {
+    on_missing_ = on_missing;
+    whole_.clear();
+  }
   bool whole(VertexIndex index, Post post);
 
  private:
   Ground& ground_;
-  OnMissing on_missing_;
+  OnMissing on_missing_ = OnMissing::Wait;
   IndexMap whole_;
 };
 
