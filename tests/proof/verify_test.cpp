@@ -195,6 +195,17 @@ TEST_F(Verify, CatchesABrokenBudget) {
   EXPECT_FALSE(run().holds());
 }
 
+// What nobody sees must fit the budget and conform, but its tolerance is not the flight's.
+TEST_F(Verify, TheWholeDomainIsNoFrameOfTheFlight) {
+  options_.refine.budget.triangles = 2048;
+  engine_.spoil = [](DrawList& list, int refine) {
+    if (refine == 1) list.stats.tolerance_px = list.stats.achieved_error_px = 50;
+  };
+  const VerifyReport r = run();
+  EXPECT_EQ(r.max_tolerance_px, 1);
+  EXPECT_EQ(r.achieved_error_px, 0.25);
+}
+
 TEST_F(Verify, CatchesCoarsenessThatNoBudgetAskedFor) {
   engine_.tolerance_px = 1.01;
   EXPECT_FALSE(run().holds());

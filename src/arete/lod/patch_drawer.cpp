@@ -16,6 +16,7 @@ PatchDrawer::PatchDrawer(const store::Terrain& terrain, int log2_cells,
       table_(terrain, log2_cells),
       blocks_(terrain, table_, std::move(mesh)) {
   visible_.reserve(static_cast<std::size_t>(table_.size()));
+  at_.reserve(static_cast<std::size_t>(table_.size()));
   keys_.reserve(static_cast<std::size_t>(table_.size()));
   floor_level_.assign(static_cast<std::size_t>(table_.size()), 0);
   box_min_ = glm::dvec3(1e300);
@@ -31,19 +32,24 @@ Footprint PatchDrawer::footprint(const PatchField& field) const {
   std::uint64_t drawable = 0;
   for (int p = 0; p < table_.size(); ++p) drawable += table_.drawable(p) ? 1U : 0U;
   const std::uint64_t scratch =
-      static_cast<std::uint64_t>(table_.size()) * (sizeof(int) + sizeof(BlockKey) + sizeof(float));
+      static_cast<std::uint64_t>(table_.size()) *
+      (sizeof(int) + sizeof(PatchStanding) + sizeof(BlockKey) + sizeof(float));
   return {.table_bytes = table_.bytes() + field.bytes() + blocks_.table_bytes() + scratch,
           .index_bytes = blocks_.index_bytes(),
           .batches = drawable,
           .least = {.triangles = 2 * drawable, .vertex_bytes = 4 * sizeof(Vertex) * drawable}};
 }
 
-double PatchDrawer::excess(const PatchField& field, const Budget& budget) const {
+void PatchDrawer::stand(const PatchField& field) {
+  at_.clear();
+  for (const int p : visible_) at_.push_back(standing(field, p));
+}
+
+double PatchDrawer::excess(const Budget& budget) const {
   if (budget == Budget{}) return -1;  // there is room for anything
   std::uint64_t triangles = 0;
   std::uint64_t bytes = 0;
-  for (const int p : visible_) {
-    const PatchStanding at = standing(field, p);
+  for (const PatchStanding& at : at_) {
     triangles += blocks_.triangles(at);
     bytes += blocks_.vertex_bytes(at.own.level);
   }
@@ -97,7 +103,7 @@ void PatchDrawer::fetch_blocks(PatchField& field, const RefineOptions& options,
                                RefineStats& stats) {
   wanted_.clear();
   blocks_.set_cap(options.budget.vertex_bytes);
-  if (fetch_missing(field, options, stats)) {
+  if (fetch_missing(options, stats)) {
     std::ranges::fill(floor_level_, 0.0F);
     do {
       for (std::size_t k = 0; k < visible_.size(); ++k) {
@@ -106,7 +112,8 @@ void PatchDrawer::fetch_blocks(PatchField& field, const RefineOptions& options,
         floor_level_[static_cast<std::size_t>(p)] = std::floor(field.level(p)) + 1;
       }
       field.raise(floor_level_);
-    } while (fetch_missing(field, options, stats));
+      stand(field);
+    } while (fetch_missing(options, stats));
   }
   if (options.on_missing != OnMissing::Defer) return;
   // Coarse tiles first: they are few, and better the picture soonest.
@@ -116,16 +123,15 @@ void PatchDrawer::fetch_blocks(PatchField& field, const RefineOptions& options,
   terrain_.prefetch(wanted_);
 }
 
-bool PatchDrawer::fetch_missing(const PatchField& field, const RefineOptions& options,
-                                RefineStats& stats) {
+bool PatchDrawer::fetch_missing(const RefineOptions& options, RefineStats& stats) {
   bool missing = false;
   keys_.clear();
-  const int w = table_.log2_cells();
   // First what is there: it must not make room for what is not.
   blocks_.begin_use();
-  for (const int p : visible_) blocks_.use(p, Standing(field.level(p), w).level);
-  for (const int p : visible_) {
-    const PatchStanding at = standing(field, p);
+  for (std::size_t k = 0; k < visible_.size(); ++k) blocks_.use(visible_[k], at_[k].own.level);
+  for (std::size_t k = 0; k < visible_.size(); ++k) {
+    const int p = visible_[k];
+    const PatchStanding& at = at_[k];
     keys_.push_back(blocks_.vertices(p, at, options.on_missing, stats));
     if (keys_.back() != kOwnBlock) continue;
     missing = true;
@@ -151,7 +157,7 @@ PatchStanding PatchDrawer::standing(const PatchField& field, int p) const {
 void PatchDrawer::emit(const PatchField& field, std::size_t visible, const ScreenError& error,
                        DrawList& out) {
   const int p = visible_[visible];
-  const PatchStanding at = standing(field, p);
+  const PatchStanding& at = at_[visible];
   DrawBatch batch;
   batch.vertices = keys_[visible];
   batch.topology = blocks_.mesh().topology();
@@ -201,7 +207,8 @@ ScreenError PatchEngine::coarsen(const View& view, const RefineOptions& options,
       used = asked.coarser(times);
     }
     stats.evaluated_vertices += set_levels(view, used, used_px);
-    return drawer_.excess(field(), options.budget);
+    drawer_.stand(field());
+    return drawer_.excess(options.budget);
   };
   if (least_fitting(std::ref(excess)) > 0) stats.tolerance_px = kept_px(used, used_px);
   return used;

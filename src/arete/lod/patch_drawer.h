@@ -25,18 +25,20 @@ class PatchDrawer {
 
   /// Finds the patches that the view may see: what the other members speak of until the next call.
   void find_visible(const View& view, const RefineOptions& options, RefineStats& stats);
-  /// log(need / cap) of the tighter cap for the field as it stands; <= 0 fits.
-  double excess(const PatchField& field, const Budget& budget) const;
+  /// Takes in where the visible patches stand: what excess() and draw() go by.
+  void stand(const PatchField& field);
+  /// log(need / cap) of the tighter cap; <= 0 fits.
+  double excess(const Budget& budget) const;
   /// Distance from the eye to the nearest box, metres; infinite when nothing is visible.
   double nearest_m(const PatchField& field) const;
-  /// Draws the field as it stands; where heights are missing, raises it first (and counts).
+  /// Draws the field as taken in; where heights are missing, raises it first (and counts).
   void draw(PatchField& field, const RefineOptions& options, const ScreenError& error,
             DrawList& out);
 
  private:
   PatchStanding standing(const PatchField& field, int patch) const;
   void fetch_blocks(PatchField& field, const RefineOptions& options, RefineStats& stats);
-  bool fetch_missing(const PatchField& field, const RefineOptions& options, RefineStats& stats);
+  bool fetch_missing(const RefineOptions& options, RefineStats& stats);
   void emit(const PatchField& field, std::size_t visible, const ScreenError& error, DrawList& out);
 
   const store::Terrain& terrain_;
@@ -45,6 +47,7 @@ class PatchDrawer {
   PatchBlocks blocks_;
   glm::dvec3 box_min_{0}, box_max_{0};
   std::vector<int> visible_;
+  std::vector<PatchStanding> at_;   ///< of visible_
   std::vector<BlockKey> keys_;      ///< of visible_
   std::vector<float> floor_level_;  ///< finest level whose heights are there
   std::vector<TileId> wanted_;      ///< for prefetch

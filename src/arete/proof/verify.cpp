@@ -55,7 +55,7 @@ class Flight {
   void measure(const Pose& pose, const Pose& next) {
     const View view = make_view(pose, options_.width, options_.height);
     const View later = make_view(next, options_.width, options_.height);
-    draw(view, refine_, before_);
+    fly(view, before_);
     const double tolerance = list_.stats.tolerance_px;
     if (options_.dump) dump_frame(*options_.dump, report_.frames, before_, view);
     check(before_, &view);
@@ -68,7 +68,7 @@ class Flight {
       draw(view, whole_, after_);
       check(after_, nullptr);
     }
-    draw(later, refine_, after_);
+    fly(later, after_);
     measure_pop({view, later, before_, after_}, std::min(nearest, nearest_m(later)), tolerance);
     count_triangles();
     ++report_.frames;
@@ -106,12 +106,18 @@ class Flight {
     return engine_.claims(used);
   }
 
+  // A frame of the flight; the whole domain, of which most is out of sight, is none.
+  void fly(const View& view, mesh::Surface& out) {
+    draw(view, refine_, out);
+    const RefineStats& stats = list_.stats;
+    report_.achieved_error_px = std::max(report_.achieved_error_px, stats.achieved_error_px);
+    report_.max_tolerance_px = std::max(report_.max_tolerance_px, stats.tolerance_px);
+  }
+
   void draw(const View& view, const lod::RefineOptions& how, mesh::Surface& out) {
     engine_.refine(view, how, list_);
     mesh::flatten(list_, engine_, out);
     const RefineStats& stats = list_.stats;
-    report_.achieved_error_px = std::max(report_.achieved_error_px, stats.achieved_error_px);
-    report_.max_tolerance_px = std::max(report_.max_tolerance_px, stats.tolerance_px);
     const std::uint64_t bytes = std::max(named_bytes(list_, engine_), stats.resident_bytes);
     report_.max_vertex_bytes = std::max(report_.max_vertex_bytes, bytes);
     const lod::Budget& cap = how.budget;

@@ -45,8 +45,8 @@ struct VerifyReport {
   std::uint64_t max_triangles = 0;
   std::uint64_t max_vertex_bytes = 0;  ///< of the blocks and vertices that a list names
   int over_budget_frames = 0;          ///< more than the budget, or coarser with none
-  double max_tolerance_px = 0;         ///< the largest that the engine used
-  double achieved_error_px = 0;        ///< the engine's own worst bound
+  double max_tolerance_px = 0;         ///< the largest that the engine used in the flight
+  double achieved_error_px = 0;        ///< the engine's own worst bound in the flight
   /// Frames whose error is beyond the claim at the tolerance that they used, or beyond the engine's
   /// own bound.
   int broken_bounds = 0;
