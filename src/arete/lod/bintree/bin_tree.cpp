@@ -1,15 +1,25 @@
 #include "arete/lod/bintree/bin_tree.h"
 
+#include <algorithm>
+
 namespace arete::lod::bintree {
 namespace {
 
 constexpr std::uint32_t kRoots = 4;
 constexpr std::uint32_t kNone = VertexArray::kNone;
+// How long before the end of a range what lies below is asked for, and how much of that waits.
+constexpr double kFramesAhead = 32;
+constexpr std::size_t kMostAhead = 1024;
 
 }  // namespace
 
-BinTree::BinTree(Ground& ground, VertexArray& vertices, const Options& options)
-    : ground_(ground), vertices_(vertices), visit_(options.visit), capacity_(options.capacity) {
+BinTree::BinTree(Ground& ground, VertexArray& vertices, const Odometer& odometer,
+                 const Options& options)
+    : ground_(ground),
+      vertices_(vertices),
+      odometer_(odometer),
+      visit_(options.visit),
+      capacity_(options.capacity) {
   make_room();
   plant();
 }
@@ -43,9 +53,10 @@ void BinTree::plant() {
 Findings BinTree::refine(const Frame& frame) {
   frame_ = &frame;
   findings_ = {};
-  pages_ahead_.clear();
+  looks_ahead_ = frame.rule.options.on_missing == OnMissing::Defer;
   settle_waiting();
   update_ended();
+  if (looks_ahead_) look_ahead();
   count_late();
   findings_.delta = deltas_.greatest();
   findings_.halved = triangles_.size() - kRoots;
@@ -65,7 +76,7 @@ void BinTree::settle_waiting() {
 void BinTree::update_ended() {
   ended_.clear();
   if (visit_ == Visit::Ended) {
-    ends_.take_ended(frame_->odometer.now(), ended_);
+    ends_.take_ended(odometer_.now(), ended_);
   } else {
     for (std::uint32_t i = 0; i < kRoots; ++i) find_ended_below(i);
   }
@@ -73,7 +84,6 @@ void BinTree::update_ended() {
     if (!vertices_.is_attached(vertex)) continue;
     ++findings_.visited;
     update(vertex);
-    look_ahead(vertex);
   }
 }
 
@@ -107,7 +117,7 @@ void BinTree::settle(std::uint32_t node) {
   if (!find_vertex(node)) return wait(node);
   const std::uint32_t vertex = nodes_[node].vertex;
   if (!lasts(vertex)) return update(vertex);
-  ends_.set(vertex, vertices_.live(vertex).until);
+  expect(vertex);
   conform(node);
 }
 
@@ -205,7 +215,7 @@ bool BinTree::lasts(std::uint32_t vertex) const {
   // re-evaluated [...] when v is not completely within" [BaoPajarolaShafae2004, 4.4 and Figure 6]:
   // by the flags from before the rotation.
   const bool doubted = frame_->figure_6 && v.wanted() && !v.inside;
-  return !doubted && alive(frame_->odometer.now(), v.until);
+  return !doubted && alive(odometer_.now(), v.until);
 }
 
 void BinTree::evaluate(std::uint32_t vertex) {
@@ -213,21 +223,35 @@ void BinTree::evaluate(std::uint32_t vertex) {
   LiveVertex& v = vertices_.live(vertex);
   frame_->evaluation(vertices_.ball(vertex), v);
   if (v.selected && !v.visible) ++findings_.culled;
-  ends_.set(vertex, v.until);
+  expect(vertex);
 }
 
-// A range that just ended and left the triangle whole is a short one again: it may be halved soon.
-void BinTree::look_ahead(std::uint32_t vertex) {
-  if (frame_->rule.options.on_missing != OnMissing::Defer) return;
-  const LiveVertex& v = vertices_.live(vertex);
-  if (v.selected || !v.visible) return;
+void BinTree::expect(std::uint32_t vertex) {
+  const Ticks& until = vertices_.live(vertex).until;
+  ends_.set(vertex, until);
+  if (looks_ahead_) soon_.set(vertex, odometer_.before(until, kFramesAhead));
+}
+
+// A page is named once, so it stays until it is there; the oldest go where too many wait.
+void BinTree::look_ahead() {
+  std::erase_if(pages_ahead_, [&](std::uint64_t page) { return ground_.pages().holds(page); });
+  ended_.clear();
+  soon_.take_ended(odometer_.now(), ended_);
+  for (const std::uint32_t vertex : ended_) look_below(vertex);
+  if (pages_ahead_.size() <= kMostAhead) return;
+  pages_ahead_.erase(pages_ahead_.begin(), pages_ahead_.end() - kMostAhead);
+}
+
+void BinTree::look_below(std::uint32_t vertex) {
   for (const std::uint32_t node : vertices_.halves(vertex)) {
-    if (node == kNone || nodes_[node].levels == 1) continue;
+    if (node == kNone || nodes_[node].levels == 1 || nodes_[node].state != State::Whole) continue;
     const VertexIndex apex = vertices_.index(nodes_[node].apex);
     const VertexIndex middle = vertices_.index(vertex);
     for (const VertexIndex child : {left_child(apex, middle), right_child(apex, middle)}) {
       const std::uint64_t page = RecordPages::page_of(child);
-      if (pages_ahead_.empty() || pages_ahead_.back() != page) pages_ahead_.push_back(page);
+      if (!ground_.pages().holds(page) &&
+          std::ranges::find(pages_ahead_, page) == pages_ahead_.end())
+        pages_ahead_.push_back(page);
     }
   }
 }
@@ -260,6 +284,7 @@ void BinTree::collect() {
   triangles_.clear();
   deltas_.clear();
   ends_.clear();
+  soon_.clear();
   waiting_.clear();
   vertices_.begin_collection();
   for (std::uint32_t i = 0; i < kRoots; ++i) keep(i, i);
@@ -277,7 +302,7 @@ void BinTree::keep(std::uint32_t from, std::uint32_t to) {
   for (std::uint32_t* slot : {&n.apex, &n.left, &n.right, &n.vertex}) *slot = vertices_.keep(*slot);
   n.child = 0;
   n.waits = false;
-  if (n.vertex != kNone) ends_.set(n.vertex, vertices_.live(n.vertex).until);
+  if (n.vertex != kNone) expect(n.vertex);
   if (old.waits) wait(to);
   if (old.state == State::Whole) return enter(to);
   if (n.vertex != kNone) vertices_.attach(n.vertex, to);

@@ -26,12 +26,12 @@ class BinTree {
     Visit visit = Visit::Ended;
     std::size_t capacity = std::size_t{1} << 16U;  ///< nodes, to begin with
   };
-  BinTree(Ground& ground, VertexArray& vertices, const Options& options);
+  /// They must outlive it.
+  BinTree(Ground& ground, VertexArray& vertices, const Odometer& odometer, const Options& options);
 
   /// What a frame goes by.
   struct Frame {
     const Rule& rule;
-    const Odometer& odometer;
     const Evaluation& evaluation;
     /// Re-evaluates culling where Figure 6 as printed does: on rotation.
     bool figure_6 = false;
@@ -40,8 +40,8 @@ class BinTree {
   Findings refine(const Frame& frame);
   std::span<const std::uint32_t> indices() const { return triangles_.indices(); }
 
-  /// Pages of vertices that the next frames may ask for: below what is drawn whole and whose range
-  /// ended in this frame. Kept under OnMissing::Defer only.
+  /// Pages that are not there and may be wanted soon: below triangles drawn whole whose vertices'
+  /// live ranges are about to end. Kept under OnMissing::Defer only.
   std::span<const std::uint64_t> pages_ahead() const { return pages_ahead_; }
 
   /// Ends all live ranges.
@@ -80,7 +80,9 @@ class BinTree {
   bool find_vertex(std::uint32_t node);
   bool lasts(std::uint32_t vertex) const;
   void evaluate(std::uint32_t vertex);
-  void look_ahead(std::uint32_t vertex);
+  void expect(std::uint32_t vertex);
+  void look_ahead();
+  void look_below(std::uint32_t vertex);
   void wait(std::uint32_t node);
   std::uint32_t children_of(std::uint32_t node);
 
@@ -93,16 +95,19 @@ class BinTree {
 
   Ground& ground_;
   VertexArray& vertices_;
+  const Odometer& odometer_;
   Visit visit_;
   std::size_t capacity_;
   std::vector<Node> nodes_, old_nodes_;
   TriangleList triangles_;
   CodeCounts deltas_;  ///< of the vertices of whole triangles
   RangeEnds ends_;     ///< of the vertices' live ranges, by slot
+  RangeEnds soon_;     ///< the same some frames earlier; under Defer only
   std::vector<std::uint32_t> ended_, waiting_, waited_;
   std::vector<std::uint64_t> pages_ahead_;
   Findings findings_;
   const Frame* frame_ = nullptr;
+  bool looks_ahead_ = false;
 };
 
 }  // namespace arete::lod::bintree

@@ -98,4 +98,14 @@ Ticks Odometer::until(const Allowance& allowance) const {
   return out;
 }
 
+Ticks Odometer::before(const Ticks& until, double frames) const {
+  Ticks out = until;
+  for (std::size_t k = 0; k < kClocks; ++k) {
+    if (until[k] == kForever) continue;
+    const double lead = std::min(frames * rates_[k] * per_tick_[k], kMostTicks);
+    out[k] = std::max(until[k] - static_cast<Tick>(lead), 0);
+  }
+  return out;
+}
+
 }  // namespace arete::lod::bintree

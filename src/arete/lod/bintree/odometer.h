@@ -51,6 +51,8 @@ class Odometer {
   bool advance(const Criterion& criterion);
   const Ticks& now() const { return now_; }
   Ticks until(const Allowance& allowance) const;
+  /// What `until` is expected to be so many frames before.
+  Ticks before(const Ticks& until, double frames) const;
   /// Smoothed steps of the clocks: what the next frames may be expected to take.
   const Allowance& rates() const { return rates_; }
   /// The planes turned in this frame.

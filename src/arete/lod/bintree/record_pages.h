@@ -78,6 +78,12 @@ class RecordPages {
       if (!touch(entry, on_missing)) return nullptr;
     return entry.records + (index & (kPageRecords - 1));
   }
+  /// True when no find() on the page need wait: it is here, or nothing is stored of it. A damaged
+  /// one counts as here: it will not come.
+  bool holds(std::uint64_t page) {
+    const Entry& entry = entry_of(page);
+    return entry.records != nullptr || entry.key == kDamaged;
+  }
   /// Page number of an index, for ask().
   static std::uint64_t page_of(VertexIndex index) { return index >> kLog2PageRecords; }
   /// Asks the thread for the pages that this frame missed and then, unless Prefetch::Off, for those

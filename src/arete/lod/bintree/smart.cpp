@@ -23,8 +23,8 @@ class SmartEngine final : public Engine {
       : ground_(terrain, options.pages),
         options_(options),
         vertices_(ground_),
-        tree_(ground_, vertices_, options.tree),
-        odometer_(options.tick_m, options.rounding) {}
+        odometer_(options.tick_m, options.rounding),
+        tree_(ground_, vertices_, odometer_, options.tree) {}
 
   void refine(const View& view, const RefineOptions& options, DrawList& out) override {
     out.clear();
@@ -92,7 +92,7 @@ class SmartEngine final : public Engine {
         {.safe = options_.literal ? SafeDistance::Least : SafeDistance::Status,
          .culling = options.cull});
     const Rule rule{criterion, error, options};
-    return tree_.refine({rule, odometer_, evaluation, options_.literal && odometer_.turned()});
+    return tree_.refine({rule, evaluation, options_.literal && odometer_.turned()});
   }
 
   // What is missing now, then what may be asked for soon.
@@ -113,8 +113,8 @@ class SmartEngine final : public Engine {
   Ground ground_;
   Options options_;
   VertexArray vertices_;
-  BinTree tree_;
   Odometer odometer_;
+  BinTree tree_;
   bool culled_ = true, bound_ = false;
   BlockKey uploaded_key_ = kOwnBlock;
   std::uint32_t uploaded_ = 0;
