@@ -191,24 +191,30 @@ TEST(SoarMissing, ConformsAndStaysBoundedWhateverIsThere) {
   EXPECT_GT(cracks_without_presence, 0U);
 }
 
-TEST(SoarBudget, BoundFramesAreTheSameWhateverCameBefore) {
+TEST(SoarBudget, IsKeptAndFramesAreTheSameWhateverCameBefore) {
   const RecordedTerrain recorded(rough_dem(257, 193, 1, 0));
-  const auto flying = find_engine("soar").open(recorded.terrain(), {});
-  DrawList a, b;
-  int bound = 0;
-  for (int i = 0; i < 40; ++i) {
-    const View view = flight_view(i / 40.0);
-    RefineOptions options{.tolerance_px = 1};
-    if (i % 5 != 4) options.budget.triangles = 200 + static_cast<std::uint64_t>(i % 3) * 900;
-    flying->refine(view, options, a);
-    find_engine("soar").open(recorded.terrain(), {})->refine(view, options, b);
-    EXPECT_EQ(a.indices, b.indices);
-    EXPECT_EQ(a.stats.tolerance_px, b.stats.tolerance_px);
-    EXPECT_LE(a.stats.triangles, options.budget.triangles);
-    if (a.stats.tolerance_px > 1) ++bound;
+  for (const char* morph : {"false", "true"}) {
+    SCOPED_TRACE(morph);
+    const auto open = [&] {
+      return find_engine("soar").open(recorded.terrain(), {{"morph", morph}});
+    };
+    const auto flying = open();
+    DrawList a, b;
+    int bound = 0;
+    for (int i = 0; i < 40; ++i) {
+      const View view = flight_view(i / 40.0);
+      RefineOptions options{.tolerance_px = 1};
+      if (i % 5 != 4) options.budget.triangles = 200 + static_cast<std::uint64_t>(i % 3) * 900;
+      flying->refine(view, options, a);
+      open()->refine(view, options, b);
+      EXPECT_EQ(a.indices, b.indices);
+      EXPECT_EQ(a.stats.tolerance_px, b.stats.tolerance_px);
+      EXPECT_LE(a.stats.triangles, options.budget.triangles);
+      if (a.stats.tolerance_px > 1) ++bound;
+    }
+    EXPECT_GT(bound, 10);
+    EXPECT_LT(bound, 33);
   }
-  EXPECT_GT(bound, 10);
-  EXPECT_LT(bound, 33);
 }
 
 }  // namespace

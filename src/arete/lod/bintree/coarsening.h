@@ -25,8 +25,10 @@ inline Budget least_budget() {
 /// What the view asks for, before a budget.
 ScreenError asked_error(const View& view, const RefineOptions& options);
 /// The finest error, to 0.1 %, under which the view's triangles fit the budget. The same for the
-/// same ground and view, whoever asks. Cost: some eight walks.
-ScreenError fitting_error(Ground& ground, const View& view, const RefineOptions& options);
+/// same ground and view, whoever asks. `sharper`: of the Criterion that will be drawn by.
+/// Cost: some eight walks.
+ScreenError fitting_error(Ground& ground, const View& view, const RefineOptions& options,
+                          double sharper = 1);
 /// The tolerance in pixels that the error keeps over the ground.
 double kept_tolerance_px(const Ground& ground, const View& view, const ScreenError& error);
 

@@ -55,10 +55,10 @@ class SoarEngine final : public Engine {
   // A frame that a budget bound is likely followed by another.
   Findings refine_within(const View& view, const RefineOptions& options, DrawList& out) {
     const ScreenError asked = asked_error(view, options);
-    ScreenError error = bound_ ? fitting_error(ground_, view, options) : asked;
+    ScreenError error = bound_ ? fitting_error(ground_, view, options, sharper_) : asked;
     Findings found = draw(view, error, options, out);
     if (!bound_ && !Need{found.halved}.fits(options.budget)) {
-      error = fitting_error(ground_, view, options);
+      error = fitting_error(ground_, view, options, sharper_);
       found = draw(view, error, options, out);
     }
     bound_ = error.allowed_m(1) != asked.allowed_m(1);
