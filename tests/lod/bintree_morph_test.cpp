@@ -78,11 +78,13 @@ class SoarMorph : public testing::Test {
   /// drawn. `full`, `flat`: how many are at either end, but for a hundredth of the way.
   struct Ends {
     int outside = 0, full = 0, flat = 0, between = 0;
+    int sunk = 0;  ///< below their height though the whole tolerance selects them
   };
   Ends ends_of(glm::dvec3 eye) {
     const View view = view_at(eye);
     const ScreenError error(view, options_.tolerance_px, options_.scale);
     const Criterion inner(view, error, kSharper);
+    const Criterion outer(view, error);
     const PlainRefinement plain(records_, ground_, inner, options_.cull);
     std::vector<float> z(
         static_cast<std::size_t>((records_.domain().side() + 1) * (records_.domain().side() + 1)));
@@ -93,6 +95,8 @@ class SoarMorph : public testing::Test {
     Ends ends;
     for (const auto& h : plain.halvings) {
       const double own = ground_.z_of(records_[h.vertex]);
+      const bool whole = outer.selected(ground_.ball(h.vertex, records_[h.vertex]));
+      if (whole && at(h.vertex) != static_cast<float>(own)) ++ends.sunk;
       const double flat = (static_cast<double>(at(h.left)) + at(h.right)) / 2;
       const double share = (at(h.vertex) - flat) / (own - flat);
       if (std::abs(own - flat) < 0.01) continue;  // nothing to be seen of it
@@ -125,6 +129,7 @@ TEST_F(SoarMorph, ConformsAndVerticesLieBetweenTheirEnds) {
     ASSERT_EQ(report.cracks() + report.t_junctions, 0U) << i;
     const Ends ends = ends_of(eye);
     EXPECT_EQ(ends.outside, 0) << i;
+    EXPECT_EQ(ends.sunk, 0) << i;
     all.full += ends.full;
     all.flat += ends.flat;
     all.between += ends.between;
