@@ -1,6 +1,7 @@
 #include "arete/lod/least_fitting.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace arete::lod {
 namespace {
@@ -31,7 +32,16 @@ bool bracket(const std::function<double(double)>& excess, End& lo, End& hi) {
   return true;
 }
 
+double ratio(std::uint64_t need, std::uint64_t cap) {
+  return static_cast<double>(need) / static_cast<double>(std::max<std::uint64_t>(cap, 1));
+}
+
 }  // namespace
+
+double excess(const Budget& need, const Budget& cap) {
+  return std::log(std::max(
+      {ratio(need.triangles, cap.triangles), ratio(need.vertex_bytes, cap.vertex_bytes), 1e-300}));
+}
 
 double least_fitting(const std::function<double(double)>& excess) {
   End lo{0, excess(0)};

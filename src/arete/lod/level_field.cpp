@@ -36,12 +36,11 @@ float at_level(const float* knots, std::size_t n, float level) {
 }  // namespace
 
 LevelField::LevelField(const PatchTable& table, double quantum_m)
-    : table_(table), knots_(table.knots()) {
+    : table_(table), knots_(table.knots()), distance_(table) {
   const auto n = static_cast<std::size_t>(table.size());
   hat_uniform_.resize(n * knots_);
   hat_side_.resize(n * kSides * knots_);
   slack_.resize(n);
-  distance_.resize(n);
   allowed_.resize(n);
   level_.resize(n);
   neighbours_.assign(n * kSides, -1);
@@ -60,11 +59,11 @@ LevelField::LevelField(const PatchTable& table, double quantum_m)
 }
 
 void LevelField::solve(glm::dvec3 eye, const ScreenError& error) {
-  look_from(eye);
+  distance_.look_from(eye);
   for (int p = 0; p < table_.size(); ++p) {
     if (!table_.drawable(p)) continue;
     const auto i = static_cast<std::size_t>(p);
-    allowed_[i] = std::max(0.0, error.allowed_m(distance_[i]) - slack_[i]);
+    allowed_[i] = std::max(0.0, error.allowed_m(distance_[p]) - slack_[i]);
     level_[i] = inverse(&hat_uniform_[i * knots_], knots_, allowed_[i]);
   }
   // Every constraint is monotone, so relaxing in any order ends at the same field; sweeping along
@@ -78,16 +77,6 @@ void LevelField::solve(glm::dvec3 eye, const ScreenError& error) {
     sweep_backward();
     ++sweeps_;
   } while (changed_);
-}
-
-void LevelField::look_from(glm::dvec3 eye) {
-  if (eye == eye_) return;
-  eye_ = eye;
-  for (int p = 0; p < table_.size(); ++p) {
-    if (!table_.drawable(p)) continue;
-    const glm::dvec3 nearest = glm::clamp(eye, table_.box_min(p), table_.box_max(p));
-    distance_[static_cast<std::size_t>(p)] = glm::length(eye - nearest);
-  }
 }
 
 float LevelField::cap(int patch, Side q) const {
@@ -169,7 +158,7 @@ double LevelField::error(int patch) const {
 
 std::uint64_t LevelField::bytes() const {
   return (hat_uniform_.size() + hat_side_.size() + level_.size()) * sizeof(float) +
-         (slack_.size() + distance_.size() + allowed_.size()) * sizeof(double) +
+         (slack_.size() + allowed_.size()) * sizeof(double) + distance_.bytes() +
          neighbours_.size() * sizeof(int);
 }
 

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <limits>
 #include <span>
 #include <vector>
 
 #include "arete/core/screen_error.h"
+#include "arete/lod/patch_distances.h"
 #include "arete/lod/patch_field.h"
 #include "arete/lod/patch_table.h"
 
@@ -40,7 +40,7 @@ class LevelField final : public PatchField {
   void raise(std::span<const float> floor_level) override;
 
   float level(int patch) const override { return level_[static_cast<std::size_t>(patch)]; }
-  double distance(int patch) const override { return distance_[static_cast<std::size_t>(patch)]; }
+  double distance(int patch) const override { return distance_[patch]; }
   double error(int patch) const override;
   std::uint64_t bytes() const override;
   /// Sweeps that the last solve took.
@@ -51,16 +51,15 @@ class LevelField final : public PatchField {
   void sweep_forward();
   void sweep_backward();
   float cap(int patch, Side q) const;
-  void look_from(glm::dvec3 eye);
 
   const PatchTable& table_;
   std::size_t knots_;
-  glm::dvec3 eye_{std::numeric_limits<double>::quiet_NaN()};
+  PatchDistances distance_;
   int sweeps_ = 0;
   bool changed_ = false;
   std::vector<float> hat_uniform_, hat_side_;  ///< knots made to grow by kappa
-  std::vector<double> slack_;  ///< metres that a vertex stage in float may add while it morphs
-  std::vector<double> distance_, allowed_;  ///< metres
+  std::vector<double> slack_;    ///< metres that a vertex stage in float may add while it morphs
+  std::vector<double> allowed_;  ///< metres
   std::vector<float> level_;
   std::vector<int> neighbours_;  ///< kSides a patch, -1 = none
 };

@@ -47,17 +47,12 @@ void PatchDrawer::stand(const PatchField& field) {
 
 double PatchDrawer::excess(const Budget& budget) const {
   if (budget == Budget{}) return -1;  // there is room for anything
-  std::uint64_t triangles = 0;
-  std::uint64_t bytes = 0;
+  Budget need{0, 0};
   for (const PatchStanding& at : at_) {
-    triangles += blocks_.triangles(at);
-    bytes += blocks_.vertex_bytes(at.own.level);
+    need.triangles += blocks_.triangles(at);
+    need.vertex_bytes += blocks_.vertex_bytes(at.own.level);
   }
-  const auto ratio = [](std::uint64_t need, std::uint64_t cap) {
-    return static_cast<double>(need) / static_cast<double>(std::max<std::uint64_t>(cap, 1));
-  };
-  return std::log(
-      std::max({ratio(triangles, budget.triangles), ratio(bytes, budget.vertex_bytes), 1e-300}));
+  return lod::excess(need, budget);
 }
 
 double PatchDrawer::nearest_m(const PatchField& field) const {

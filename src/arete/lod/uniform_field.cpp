@@ -20,20 +20,11 @@ double apart(double inside, double side) {
 }  // namespace
 
 UniformField::UniformField(const PatchTable& patches, const UniformTable& table, Sides sides)
-    : patches_(patches), table_(table), sides_(sides) {
-  level_.resize(static_cast<std::size_t>(patches.size()));
-  distance_.resize(level_.size());
-}
-
-void UniformField::look_from(glm::dvec3 eye) {
-  if (eye == eye_) return;
-  eye_ = eye;
-  for (int p = 0; p < patches_.size(); ++p) {
-    if (!patches_.drawable(p)) continue;
-    const glm::dvec3 nearest = glm::clamp(eye, patches_.box_min(p), patches_.box_max(p));
-    distance_[static_cast<std::size_t>(p)] = glm::length(eye - nearest);
-  }
-}
+    : patches_(patches),
+      table_(table),
+      sides_(sides),
+      level_(static_cast<std::size_t>(patches.size())),
+      distance_(patches) {}
 
 Standing UniformField::side(float own, float other, int w) const {
   Standing at = PatchField::side(own, other, w);

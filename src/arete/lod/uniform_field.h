@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string_view>
 #include <vector>
 
 #include <glm/glm.hpp>
 
+#include "arete/lod/patch_distances.h"
 #include "arete/lod/patch_field.h"
 #include "arete/lod/uniform_table.h"
 
@@ -30,23 +30,22 @@ class UniformField final : public PatchField {
 
   UniformField(const PatchTable& patches, const UniformTable& table, Sides sides);
 
-  void look_from(glm::dvec3 eye);
+  void look_from(glm::dvec3 eye) { distance_.look_from(eye); }
   void set_level(int patch, float level) { level_[static_cast<std::size_t>(patch)] = level; }
 
   float level(int patch) const override { return level_[static_cast<std::size_t>(patch)]; }
   Standing side(float own, float other, int w) const override;
-  double distance(int patch) const override { return distance_[static_cast<std::size_t>(patch)]; }
+  double distance(int patch) const override { return distance_[patch]; }
   double error(int patch) const override;
   void raise(std::span<const float> floor_level) override;
-  std::uint64_t bytes() const override { return level_.size() * (sizeof(float) + sizeof(double)); }
+  std::uint64_t bytes() const override { return level_.size() * sizeof(float) + distance_.bytes(); }
 
  private:
   const PatchTable& patches_;
   const UniformTable& table_;
   Sides sides_;
   std::vector<float> level_;
-  glm::dvec3 eye_{std::numeric_limits<double>::quiet_NaN()};
-  std::vector<double> distance_;
+  PatchDistances distance_;
 };
 
 /// Reads Params "patch" like parse_patch, with at most 2^UniformMesh::kMostLog2Cells cells.

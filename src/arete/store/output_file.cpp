@@ -95,6 +95,10 @@ void sync_directory(const std::filesystem::path& directory) {
   sync_path(directory, O_RDONLY | O_DIRECTORY);
 }
 
+void sync_parent(const std::filesystem::path& path) {
+  sync_directory(path.has_parent_path() ? path.parent_path() : std::filesystem::path("."));
+}
+
 void write_file_durably(const std::filesystem::path& path, std::span<const std::byte> bytes) {
   {
     OutputFile file(path);
@@ -103,7 +107,7 @@ void write_file_durably(const std::filesystem::path& path, std::span<const std::
     file.sync();
     file.publish();
   }
-  sync_directory(path.parent_path());
+  sync_parent(path);
 }
 
 }  // namespace arete::store

@@ -37,6 +37,9 @@ class OutputFile {
 void sync_file(const std::filesystem::path& file);
 void sync_directory(const std::filesystem::path& directory);
 
+/// fsync of the directory that names `path`. Throws: Io.
+void sync_parent(const std::filesystem::path& path);
+
 /// temp + write + fsync + rename + fsync of the directory. Throws: Io.
 void write_file_durably(const std::filesystem::path& path, std::span<const std::byte> bytes);
 

@@ -95,7 +95,7 @@ void PartDirectory::bring_back() const {
   if (::rename(old->c_str(), output_.c_str()) != 0)
     throw Error(ErrorCode::Io, fmt::format("{}: cannot bring back the old store from {}: {}",
                                            output_.string(), old->string(), std::strerror(errno)));
-  sync_directory(output_.has_parent_path() ? output_.parent_path() : fs::path("."));
+  sync_parent(output_);
 }
 
 void PartDirectory::prepare(const std::string& key) {

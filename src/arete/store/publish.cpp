@@ -57,7 +57,7 @@ Undo put_in_place(const fs::path& from, const fs::path& output, const fs::path& 
 void publish_directory(const fs::path& from, const fs::path& output, const fs::path& retired) {
   const Undo undo = put_in_place(from, output, retired);
   try {
-    sync_directory(output.has_parent_path() ? output.parent_path() : fs::path("."));
+    sync_parent(output);
   } catch (const Error&) {
     undo();
     throw;

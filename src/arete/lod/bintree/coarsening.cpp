@@ -15,14 +15,6 @@ struct Count {
   void root_done(Corner&) {}
 };
 
-double excess(const Need& need, const Budget& budget) {
-  const auto ratio = [](std::uint64_t n, std::uint64_t cap) {
-    return static_cast<double>(n) / static_cast<double>(std::max<std::uint64_t>(cap, 1));
-  };
-  return std::log(std::max(ratio(need.triangles(), budget.triangles),
-                           ratio(need.vertex_bytes(), budget.vertex_bytes)));
-}
-
 }  // namespace
 
 ScreenError asked_error(const View& view, const RefineOptions& options) {
@@ -40,7 +32,7 @@ ScreenError fitting_error(Ground& ground, const View& view, const RefineOptions&
     Count count;
     Walk<Count> walk(ground, {criterion, used, options}, count);
     walk.refine_all();
-    return excess({walk.findings().halved}, options.budget);
+    return excess(Need{walk.findings().halved}.budget(), options.budget);
   });
   return used;
 }

@@ -12,6 +12,7 @@ struct Need {
   std::uint64_t vertex_bytes() const {
     return sizeof(Vertex) * (2 * halved + 4 + 5) + 3 * sizeof(std::uint32_t) * triangles();
   }
+  Budget budget() const { return {triangles(), vertex_bytes()}; }
   bool fits(const Budget& budget) const {
     return triangles() <= budget.triangles && vertex_bytes() <= budget.vertex_bytes;
   }
@@ -19,7 +20,7 @@ struct Need {
 
 /// What the coarsest surface needs.
 inline Budget least_budget() {
-  return {Need{}.triangles(), Need{}.vertex_bytes()};
+  return Need{}.budget();
 }
 
 /// What the view asks for, before a budget.
