@@ -18,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::string kStore = "t.arete";
+const std::string kRetired = kStore + ".part/retired";
 
 // One recorded command over a known disk, and the stores that may be found afterwards.
 struct Scenario {
@@ -28,10 +29,10 @@ struct Scenario {
   std::function<void(const fs::path&)> command = {};
 };
 
-Files store_in(const DiskState& disk) {
+Files store_in(const DiskState& disk, const std::string& store = kStore) {
   Files files;
   for (const auto& [path, bytes] : disk.files)
-    if (path.starts_with(kStore + "/")) files[path.substr(kStore.size() + 1)] = bytes;
+    if (path.starts_with(store + "/")) files[path.substr(store.size() + 1)] = bytes;
   return files;
 }
 
@@ -59,6 +60,9 @@ std::vector<Scenario> record_all() {
   scenarios.push_back(record_scenario("build", root, build(1)));
   scenarios.push_back(record_scenario("build --force", root, build(2)));
   scenarios.push_back(record_scenario("extend", root, extend_sample));
+  scenarios.push_back(record_scenario("build --force, no exchange", root, [](const auto& output) {
+    without_exchange([&] { build_sample(output, 3); });
+  }));
   return scenarios;
 }
 
@@ -76,7 +80,9 @@ bool removes_lock_last(const Scenario& s) {
 enum class Found { Nothing, Old, New, Refused, Wrong };
 
 Found judge(const DiskState& disk, const Scenario& s) {
-  if (!disk.directories.contains(kStore)) return Found::Nothing;
+  if (!disk.directories.contains(kStore))  // the next build brings a retired one back
+    return !s.old_store.empty() && store_in(disk, kRetired) == s.old_store ? Found::Old
+                                                                           : Found::Nothing;
   const Files files = store_in(disk);
   try {
     open_in_memory(files)->check_all();
@@ -122,7 +128,7 @@ Tally draw(const Scenario& s, const CrashDisk& disk, int states, std::uint64_t s
   Tally tally;
   for (int i = 0; i < states; ++i) {
     const std::size_t done = late_moment(s.ops.size(), random);
-    const DiskState state = disk.crash(done, kStore, random);
+    const DiskState state = disk.crash(done, "", random);
     const Found found = judge(state, s);
     ++tally.states;
     tally.nothing += found == Found::Nothing ? 1 : 0;
@@ -155,7 +161,8 @@ std::set<std::size_t> syncs_of(const Scenario& s) {
 }
 
 // Control: without any sync, stores must be found broken; and without any single one of those that
-// the published store rests on. (Those of the key keep a build from going on with a wrong one.)
+// the published store rests on. (Those of the key keep a build from going on with a wrong one; that
+// of the folder before an old store moves aside is missed in one state of 1,400 only.)
 int miss_controls(const Scenario& s, int states) {
   int missed = 0;
   const std::set<std::size_t> syncs = syncs_of(s);
@@ -164,7 +171,9 @@ int miss_controls(const Scenario& s, int states) {
   missed += none.refused == 0 || none.lost == 0 || none.fools == 0 ? 1 : 0;
   for (const std::size_t op : syncs) {
     const std::string& path = s.ops[op].path;
-    const bool publishes = path.empty() || path.find(".part/store") != std::string::npos;
+    const bool is_last = op == *syncs.rbegin();
+    const bool publishes =
+        (path.empty() && is_last) || path.find(".part/store") != std::string::npos;
     if (!publishes) continue;
     const Tally one = draw(s, CrashDisk(s.before, s.ops, {op}), states, op);
     // A segment that extend takes over is on disk already.

@@ -23,6 +23,7 @@ struct Recording {
   std::mutex mutex;
   std::string root;  // empty: nothing is recorded
   std::vector<FileOp> ops;
+  bool can_exchange = true;
 };
 
 Recording& recording() {
@@ -84,6 +85,17 @@ std::vector<FileOp> record(const fs::path& folder, const std::function<void()>& 
   return std::exchange(r.ops, {});
 }
 
+void without_exchange(const std::function<void()>& work) {
+  struct Refusal {
+    Refusal() { recording().can_exchange = false; }
+    ~Refusal() { recording().can_exchange = true; }
+    Refusal(const Refusal&) = delete;
+    Refusal& operator=(const Refusal&) = delete;
+  };
+  const Refusal refusal;
+  work();
+}
+
 }  // namespace arete::torture
 
 // Everything below stands before the C library's function of the same name, for this program and
@@ -127,9 +139,13 @@ int rename(const char* from, const char* to) noexcept {
 
 int renameat2(int from_fd, const char* from, int to_fd, const char* to,
               unsigned int flags) noexcept {
+  const bool swaps = (flags & RENAME_EXCHANGE) != 0;
+  if (swaps && !recording().can_exchange) {
+    errno = EINVAL;
+    return -1;
+  }
   const int result = hidden<int(int, const char*, int, const char*, unsigned int)>("renameat2")(
       from_fd, from, to_fd, to, flags);
-  const bool swaps = (flags & RENAME_EXCHANGE) != 0;
   return note_if_done(result, swaps ? Kind::Exchange : Kind::Rename, from, to);
 }
 

@@ -27,5 +27,7 @@ struct FileOp {
 /// sees the calls themselves (this program stands before the C library), so the code under test
 /// has no seam for it. One recording at a time. Requires: an absolute path without symbolic links.
 std::vector<FileOp> record(const std::filesystem::path& folder, const std::function<void()>& work);
+/// Runs `work` as on a file system that cannot exchange two names.
+void without_exchange(const std::function<void()>& work);
 
 }  // namespace arete::torture

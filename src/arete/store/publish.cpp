@@ -29,7 +29,9 @@ void rename_or_fail(const fs::path& from, const fs::path& to) {
 // What undoes the publication: the old store, if there was one, is at `output` again.
 using Undo = std::function<void()>;
 
+// The old store must not move into a directory that a power cut takes away.
 Undo move_aside_and_in(const fs::path& from, const fs::path& output, const fs::path& retired) {
+  sync_parent(retired.parent_path());
   rename_or_fail(output, retired);
   try {
     rename_or_fail(from, output);
