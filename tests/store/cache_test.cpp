@@ -1,6 +1,7 @@
 #include "arete/store/cache.h"
 
 #include <chrono>
+#include <cstring>
 #include <random>
 #include <thread>
 
@@ -118,6 +119,30 @@ TEST_F(Residency, FailingReadsGiveNullAndAreCounted) {
   EXPECT_EQ(terrain->cache_stats().damaged, missing);
   EXPECT_EQ(terrain->raster("normals")->read({0, 0, 0}).bytes.size(), 2U * 256 * 256);
   EXPECT_ANY_THROW(terrain->check_all());
+}
+
+TEST_F(Residency, DroppingTheSystemsCacheReachesEverySegment) {
+  struct Counting : MemoryFile {
+    Counting(std::vector<char> bytes, int& dropped)
+        : MemoryFile(std::move(bytes)), dropped_(dropped) {}
+    void drop_os_cache() const override { ++dropped_; }
+    int& dropped_;
+  };
+  const auto files = read_all_files(path_);
+  int dropped = 0;
+  OpenOptions options;
+  options.open = [&](const std::filesystem::path& path) -> std::unique_ptr<File> {
+    return std::make_unique<Counting>(files.at(path.filename().string()), dropped);
+  };
+  const auto terrain = Terrain::open(path_, options);
+  EXPECT_EQ(dropped, 0);
+  terrain->drop_os_cache();
+  EXPECT_EQ(dropped, static_cast<int>(terrain->manifest().segments.size()));
+  const auto file = open_file(path_ / "heights.seg");
+  file->drop_os_cache();  // what is read afterwards is the same
+  std::vector<std::byte> read(file->size());
+  file->read_at(0, read);
+  EXPECT_EQ(std::memcmp(read.data(), files.at("heights.seg").data(), read.size()), 0);
 }
 
 TEST_F(Residency, CheckAllReadsEveryPage) {

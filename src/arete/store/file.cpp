@@ -42,6 +42,8 @@ class PosixFile : public File {
     }
   }
 
+  void drop_os_cache() const override { ::posix_fadvise(fd_, 0, 0, POSIX_FADV_DONTNEED); }
+
  private:
   int fd_;
   std::uint64_t size_;

@@ -16,6 +16,9 @@ class File {
   virtual std::uint64_t size() const = 0;
   /// Fills `out` from `offset`. Throws: Io; Corrupt when the file ends first.
   virtual void read_at(std::uint64_t offset, std::span<std::byte> out) const = 0;
+  /// Asks the system to forget what it holds of the file, so that reads are cold: for measurements.
+  /// Does nothing where that cannot be asked for. Throws: nothing.
+  virtual void drop_os_cache() const {}
 };
 
 /// A regular file read by pread. Throws: NotFound, Io.

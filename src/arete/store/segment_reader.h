@@ -35,6 +35,8 @@ class SegmentReader {
   /// Throws: Corrupt, Io.
   std::size_t read(std::uint64_t key, std::vector<std::byte>& raw) const;
 
+  void drop_os_cache() const { file_->drop_os_cache(); }
+
   /// Memory that the reader holds: 40 bytes a block and 8 bytes a page.
   std::uint64_t table_bytes() const {
     return keys_.size() * sizeof keys_[0] + entries_.size() * sizeof entries_[0] +

@@ -290,6 +290,10 @@ std::uint64_t Terrain::table_bytes() const {
   return bytes;
 }
 
+void Terrain::drop_os_cache() const {
+  for (const auto& segment : impl_->segments) segment->drop_os_cache();
+}
+
 std::uint64_t Terrain::check_all(const std::function<void(double)>& progress) const {
   std::uint64_t total = 0;
   for (const auto& segment : impl_->segments) total += segment->page_count();

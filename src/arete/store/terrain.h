@@ -133,6 +133,10 @@ class Terrain {
   /// thread have in hand while they read a tile each.
   std::uint64_t table_bytes() const;
 
+  /// Asks the system to forget what it holds of the segments' files (File::drop_os_cache); what
+  /// this Terrain's own cache holds stays.
+  void drop_os_cache() const;
+
   /// Reads and verifies every page of every segment. Returns the number of pages.
   /// Throws: Corrupt at the first bad page, naming segment and page.
   std::uint64_t check_all(const std::function<void(double done)>& progress = {}) const;
