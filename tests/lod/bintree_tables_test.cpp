@@ -12,7 +12,7 @@
 namespace arete::lod::bintree {
 namespace {
 
-TEST(RangeEnds, TakesWhatASearchFinds) {
+TEST(RangeEnds, RenewsWhatASearchFinds) {
   constexpr std::uint32_t kPlaces = 3000;
   std::mt19937_64 random(7);
   const auto below = [&](int n) { return static_cast<Tick>(random() % static_cast<unsigned>(n)); };
@@ -20,7 +20,7 @@ TEST(RangeEnds, TakesWhatASearchFinds) {
   ends.reserve(100);  // it grows by itself
   std::vector<Ticks> limits(kPlaces, {kForever, kForever, kForever});
   Ticks now{1, 1, 1};
-  std::size_t taken = 0;
+  std::size_t renewed = 0;
   for (int frame = 0; frame < 500; ++frame) {
     for (Tick& clock : now) clock += below(20);
     for (int i = 0; i < 60; ++i) {  // some sooner than before, some later, some over already
@@ -35,15 +35,20 @@ TEST(RangeEnds, TakesWhatASearchFinds) {
       expected.push_back(place);
       limits[place].fill(kForever);
     }
-    ends.take_ended(now, ended);
+    ends.renew_ended(now, [&](std::uint32_t place) {
+      ended.push_back(place);
+      if (place % 3 == 0) limits[place] = {now[Move] + 7, now[Scale] + 50, kForever};
+      return limits[place];
+    });
     ASSERT_EQ(ended, expected) << frame;
-    taken += ended.size();
+    renewed += ended.size();
   }
-  EXPECT_GT(taken, 5000U);
+  EXPECT_GT(renewed, 5000U);
   ends.clear();
-  std::vector<std::uint32_t> none;
-  ends.take_ended({kForever - 1, kForever - 1, kForever - 1}, none);
-  EXPECT_TRUE(none.empty());
+  ends.renew_ended({kForever - 1, kForever - 1, kForever - 1}, [](std::uint32_t place) {
+    ADD_FAILURE() << place;
+    return RangeEnds::kNever;
+  });
 }
 
 TEST(CodeCounts, KnowsTheGreatest) {
@@ -70,8 +75,10 @@ TEST(CodeCounts, KnowsTheGreatest) {
 
 TEST(TriangleList, TheLastTakesThePlaceOfWhatGoes) {
   TriangleList list;
-  for (std::uint32_t i = 0; i < 4; ++i)
-    EXPECT_EQ(list.add(10 + i, {3 * i, 3 * i + 1, 3 * i + 2}), i);
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(list.add(), i);
+    list.set(i, 10 + i, {3 * i, 3 * i + 1, 3 * i + 2});
+  }
   EXPECT_EQ(list.remove(1), 13U);
   EXPECT_EQ(list.remove(2), 12U);  // itself
   const std::vector<std::uint32_t> left{0, 1, 2, 9, 10, 11};

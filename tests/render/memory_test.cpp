@@ -156,6 +156,34 @@ TEST_F(GpuMemory, AppendedVerticesArrive) {
   }
 }
 
+TEST_F(GpuMemory, ChangedIndicesArrive) {
+  ToyLand toy(2, 4, 20);
+  std::vector<std::uint32_t>& block = toy.index_block();
+  const std::vector<std::uint32_t> all = block;
+  Renderer renderer(land_of(toy));
+  const View view = view_of(toy);
+  DrawList list = toy.list({0, 3}, 1);
+  const auto draw_from = [&](std::size_t first, std::size_t count) {
+    block.assign(all.begin() + static_cast<std::ptrdiff_t>(first),
+                 all.begin() + static_cast<std::ptrdiff_t>(first + count));
+    for (DrawBatch& batch : list.batches) batch.index_count = static_cast<std::uint32_t>(count);
+    list.uploads = {{1, 0, static_cast<std::uint32_t>(count), BlockKind::Indices}};
+  };
+  draw_from(0, 300);
+  shoot(renderer, view, list, toy, Style{});
+  for (const std::size_t count : {300, 240, 420, 900}) {  // in its room, less, more, beyond it
+    draw_from(all.size() - count, count);
+    Renderer fresh(land_of(toy));
+    const Picture expected = shoot(fresh, view, list, toy, Style{});
+    ASSERT_EQ(different_pixels(expected, shoot(renderer, view, list, toy, Style{})), 0) << count;
+  }
+  draw_from(0, 900);
+  list.uploads.clear();  // unsaid changes are not looked for
+  Renderer fresh(land_of(toy));
+  const Picture expected = shoot(fresh, view, list, toy, Style{});
+  EXPECT_GT(different_pixels(expected, shoot(renderer, view, list, toy, Style{})), 50);
+}
+
 TEST_F(GpuMemory, ForgottenBlocksAreReadAgain) {
   ToyLand toy(2, 4, 20);
   Renderer renderer(land_of(toy));

@@ -25,6 +25,7 @@ class ToyLand : public BlockSource {
   DrawList list(const std::vector<int>& tiles, std::uint64_t seed) const;
   DrawList whole(std::uint64_t seed) const;
   std::vector<Vertex>& block(int tile) { return blocks_[static_cast<std::size_t>(tile)]; }
+  std::vector<std::uint32_t>& index_block() { return indices_; }
 
  private:
   int tiles_;

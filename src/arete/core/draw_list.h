@@ -9,7 +9,8 @@
 
 namespace arete {
 
-/// Names an immutable block of vertices or indices of one engine; unique for the engine's life.
+/// Names a block of vertices or indices of one engine; unique for the engine's life. A block is
+/// immutable but for what a list's uploads name.
 using BlockKey = std::uint64_t;
 /// The draw list's own arrays, which change every frame.
 inline constexpr BlockKey kOwnBlock = 0;
@@ -59,10 +60,14 @@ struct RefineStats {
   double tolerance_px = 0;
 };
 
-/// A range of an append-only block that is new since the last frame.
+enum class BlockKind : std::uint8_t { Vertices, Indices };
+
+/// Blocks that do change. Vertices: the range [first, first + count), appended since the last frame.
+/// Indices: the block, [0, count), which is of this frame alone.
 struct Upload {
   BlockKey block = kOwnBlock;
   std::uint32_t first = 0, count = 0;
+  BlockKind kind = BlockKind::Vertices;
 };
 
 /// Everything an engine says to the world about one frame. Cleared, never reallocated after

@@ -22,7 +22,7 @@ namespace {
 constexpr double kPairSeconds = 1.0 / 60;
 constexpr int kWholeEvery = 10;  // every so many frames the whole domain is checked, too
 
-// Of the vertex blocks that the list names, and of its own arrays.
+// Of the vertex blocks that the list names, of indices made for the view, and of its own arrays.
 std::uint64_t named_bytes(const DrawList& list, const BlockSource& blocks) {
   std::vector<BlockKey> keys;
   for (const DrawBatch& batch : list.batches) {
@@ -33,6 +33,9 @@ std::uint64_t named_bytes(const DrawList& list, const BlockSource& blocks) {
   keys.erase(repeats.begin(), repeats.end());
   std::uint64_t bytes = list.vertices.size() * sizeof(Vertex) + list.indices.size() * 4;
   for (const BlockKey key : keys) bytes += blocks.vertices(key).size_bytes();
+  for (const Upload& u : list.uploads) {
+    if (u.kind == BlockKind::Indices) bytes += u.count * sizeof(std::uint32_t);
+  }
   return bytes;
 }
 

@@ -19,9 +19,12 @@ DrawFactors factors_of(const DrawBatch& batch, Morph morph) {
   return f;
 }
 
-bool is_appended(const DrawList& list, BlockKey key) {
-  return std::any_of(list.uploads.begin(), list.uploads.end(),
-                     [key](const Upload& u) { return u.block == key; });
+// Of a block that changes, bytes beside its own.
+std::uint64_t room_to_grow(const DrawList& list, const BlockName& name, std::uint64_t bytes) {
+  const bool grows = std::any_of(list.uploads.begin(), list.uploads.end(), [&](const Upload& u) {
+    return u.block == name.key && u.kind == name.kind;
+  });
+  return grows ? bytes / 2 : 0;
 }
 
 }  // namespace
@@ -36,7 +39,7 @@ void Batches::place(const DrawList& list, const BlockSource& blocks, Morph morph
   list_ = &list;
   blocks_ = &blocks;
   arena.begin_frame();
-  update_appended(list, blocks, arena);
+  update_changed(list, blocks, arena);
   touch(list, blocks, arena);
   if (!place_all(list, morph, Spare::Leave, arena)) {
     // Blocks that other frames left in between may cut the room into pieces: all anew, in a row.
@@ -56,7 +59,7 @@ bool Batches::place_all(const DrawList& list, Morph morph, Spare spare, BlockAre
   if (!reserve(list, arena)) return false;
   for (const DrawBatch& batch : list.batches) {
     const auto vertices = vertices_of(batch, spare, arena);
-    const auto indices = vertices ? indices_of(batch, arena) : std::nullopt;
+    const auto indices = vertices ? indices_of(batch, spare, arena) : std::nullopt;
     if (!indices) continue;
     --dropped_;
     const DrawCommand command{
@@ -77,10 +80,13 @@ void Batches::send(BlockArena& arena) {
               std::as_bytes(std::span(strips_)));
 }
 
-void Batches::update_appended(const DrawList& list, const BlockSource& blocks, BlockArena& arena) {
+void Batches::update_changed(const DrawList& list, const BlockSource& blocks, BlockArena& arena) {
   for (const Upload& u : list.uploads) {
-    arena.update({&blocks, u.block, BlockKind::Vertices}, std::as_bytes(blocks.vertices(u.block)),
-                 u.first * sizeof(Vertex), u.count * sizeof(Vertex));
+    const bool vertices = u.kind == BlockKind::Vertices;
+    const auto bytes =
+        vertices ? std::as_bytes(blocks.vertices(u.block)) : std::as_bytes(blocks.indices(u.block));
+    const std::uint64_t each = vertices ? sizeof(Vertex) : kIndexBytes;
+    arena.update({&blocks, u.block, u.kind}, bytes, u.first * each, u.count * each);
   }
 }
 
@@ -114,15 +120,18 @@ std::optional<std::uint64_t> Batches::vertices_of(const DrawBatch& batch, Spare 
   const BlockName name{blocks_, batch.vertices, BlockKind::Vertices};
   if (const auto held = arena.find(name)) return held;
   const auto bytes = std::as_bytes(blocks_->vertices(batch.vertices));
-  const bool grows = spare == Spare::Leave && is_appended(*list_, batch.vertices);
-  return arena.add(name, bytes, grows ? bytes.size() / 2 : 0);
+  return arena.add(name, bytes,
+                   spare == Spare::Leave ? room_to_grow(*list_, name, bytes.size()) : 0);
 }
 
-std::optional<std::uint64_t> Batches::indices_of(const DrawBatch& batch, BlockArena& arena) {
+std::optional<std::uint64_t> Batches::indices_of(const DrawBatch& batch, Spare spare,
+                                                 BlockArena& arena) {
   if (batch.indices == kOwnBlock) return own_indices_;
   const BlockName name{blocks_, batch.indices, BlockKind::Indices};
   if (const auto held = arena.find(name)) return held;
-  return arena.add(name, std::as_bytes(blocks_->indices(batch.indices)));
+  const auto bytes = std::as_bytes(blocks_->indices(batch.indices));
+  return arena.add(name, bytes,
+                   spare == Spare::Leave ? room_to_grow(*list_, name, bytes.size()) : 0);
 }
 
 void Batches::bind_factors(const BlockArena& arena) const {

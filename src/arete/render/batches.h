@@ -49,11 +49,11 @@ class Batches {
   enum class Spare { Leave, None };  // room behind a block that grows
   bool place_all(const DrawList& list, Morph morph, Spare spare, BlockArena& arena);
   void send(BlockArena& arena);
-  void update_appended(const DrawList& list, const BlockSource& blocks, BlockArena& arena);
+  void update_changed(const DrawList& list, const BlockSource& blocks, BlockArena& arena);
   void touch(const DrawList& list, const BlockSource& blocks, BlockArena& arena);
   bool reserve(const DrawList& list, BlockArena& arena);
   std::optional<std::uint64_t> vertices_of(const DrawBatch& batch, Spare spare, BlockArena& arena);
-  std::optional<std::uint64_t> indices_of(const DrawBatch& batch, BlockArena& arena);
+  std::optional<std::uint64_t> indices_of(const DrawBatch& batch, Spare spare, BlockArena& arena);
 
   const DrawList* list_ = nullptr;
   const BlockSource* blocks_ = nullptr;

@@ -14,8 +14,6 @@
 
 namespace arete::render {
 
-enum class BlockKind : std::uint8_t { Vertices, Indices };
-
 /// A block of one engine: keys of different engines, and of vertices and indices, may coincide.
 struct BlockName {
   const BlockSource* source = nullptr;

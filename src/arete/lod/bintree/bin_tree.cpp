@@ -32,7 +32,7 @@ void BinTree::make_room() {
   vertices_.reserve(nodes);
   triangles_.reserve(nodes);
   ends_.reserve(nodes);
-  for (std::vector<std::uint32_t>* list : {&ended_, &waiting_, &waited_}) list->reserve(nodes);
+  for (std::vector<std::uint32_t>* list : {&changed_, &waiting_, &waited_}) list->reserve(nodes);
 }
 
 // The four root triangles, to be looked at by the first frame.
@@ -45,7 +45,7 @@ void BinTree::plant() {
                       .left = slot(kRootTriangles[i].left),
                       .right = slot(kRootTriangles[i].right),
                       .levels = static_cast<std::int8_t>(ground_.domain().depths() - 1)});
-    draw(i);
+    draw(i, triangles_.add());
     wait(i);
   }
 }
@@ -72,29 +72,36 @@ void BinTree::settle_waiting() {
   }
 }
 
-// Those that the tree has left are forgotten; they are evaluated anew when they come back.
+// All statuses first, then the triangles.
 void BinTree::update_ended() {
-  ended_.clear();
+  changed_.clear();
   if (visit_ == Visit::Ended) {
-    ends_.take_ended(odometer_.now(), ended_);
+    ends_.renew_ended(odometer_.now(), [this](std::uint32_t vertex) { return renew(vertex); });
   } else {
-    for (std::uint32_t i = 0; i < kRoots; ++i) find_ended_below(i);
+    for (std::uint32_t i = 0; i < kRoots; ++i) renew_below(i);
   }
-  for (const std::uint32_t vertex : ended_) {
-    if (!vertices_.is_attached(vertex)) continue;
-    ++findings_.visited;
-    update(vertex);
-  }
+  for (const std::uint32_t vertex : changed_) conform_halves(vertex);
 }
 
-void BinTree::find_ended_below(std::uint32_t node) {
+// Those that the tree has left are forgotten; they are evaluated anew when they come back.
+Ticks BinTree::renew(std::uint32_t vertex) {
+  if (!vertices_.is_attached(vertex)) return RangeEnds::kNever;
+  ++findings_.visited;
+  LiveVertex& v = vertices_.live(vertex);
+  const bool was_wanted = v.wanted();
+  evaluate(vertex);
+  if (v.wanted() != was_wanted) changed_.push_back(vertex);
+  return v.until;
+}
+
+void BinTree::renew_below(std::uint32_t node) {
   const Node& n = nodes_[node];
   if (n.levels == 0) return;
   ++findings_.visited;
-  if (n.vertex != kNone && !lasts(n.vertex)) ended_.push_back(n.vertex);
+  if (n.vertex != kNone && !lasts(n.vertex)) renew(n.vertex);
   if (n.state != State::Halved) return;
-  find_ended_below(n.child);
-  find_ended_below(n.child + 1);
+  renew_below(n.child);
+  renew_below(n.child + 1);
 }
 
 void BinTree::count_late() {
@@ -116,14 +123,13 @@ void BinTree::settle(std::uint32_t node) {
   ++findings_.visited;
   if (!find_vertex(node)) return wait(node);
   const std::uint32_t vertex = nodes_[node].vertex;
-  if (!lasts(vertex)) return update(vertex);
-  expect(vertex);
-  conform(node);
+  const bool lasted = lasts(vertex);
+  if (!lasted) evaluate(vertex);
+  ends_.set(vertex, vertices_.live(vertex).until);
+  lasted ? conform(node) : conform_halves(vertex);
 }
 
-// Its status, then both triangles that it halves.
-void BinTree::update(std::uint32_t vertex) {
-  if (!lasts(vertex)) evaluate(vertex);
+void BinTree::conform_halves(std::uint32_t vertex) {
   for (std::size_t i = 0; i < 2; ++i) {
     const std::uint32_t node = vertices_.halves(vertex)[i];
     if (node != kNone) conform(node);
@@ -142,51 +148,56 @@ void BinTree::conform(std::uint32_t node) {
 
 void BinTree::halve(std::uint32_t node) {
   const std::uint32_t child = children_of(node);
-  undraw(node);
+  uncount(nodes_[node]);
   nodes_[node].state = State::Halved;
-  enter(child);
-  enter(child + 1);
+  enter(child, nodes_[node].place);
+  enter(child + 1, triangles_.add());
   settle(child);
   settle(child + 1);
 }
 
 void BinTree::mend(std::uint32_t node) {
-  leave(nodes_[node].child);
-  leave(nodes_[node].child + 1);
-  draw(node);
+  const std::uint32_t child = nodes_[node].child;
+  free(leave(child + 1));
+  draw(node, leave(child));
 }
 
-void BinTree::leave(std::uint32_t node) {
+// Returns the place in the list that it, or one of those below, was drawn at.
+std::uint32_t BinTree::leave(std::uint32_t node) {
   Node& n = nodes_[node];
   if (n.state == State::Halved) {
-    leave(n.child);
-    leave(n.child + 1);
+    free(leave(n.child + 1));
+    n.place = leave(n.child);
   } else {
-    undraw(node);
+    uncount(n);
   }
   n.state = State::Out;
   if (n.vertex != kNone) vertices_.detach(n.vertex, node);
+  return n.place;
 }
 
-void BinTree::enter(std::uint32_t node) {
-  draw(node);
+void BinTree::enter(std::uint32_t node, std::uint32_t place) {
+  draw(node, place);
   if (nodes_[node].vertex != kNone) vertices_.attach(nodes_[node].vertex, node);
 }
 
-void BinTree::draw(std::uint32_t node) {
+void BinTree::draw(std::uint32_t node, std::uint32_t place) {
   Node& n = nodes_[node];
   n.state = State::Whole;
+  n.place = place;
   // Triangles of odd depth are wound counter-clockwise (vertex_index.h), and depths are even in
   // number.
   const bool turn = (n.levels & 1) == 0;
-  n.place = triangles_.add(node, {n.apex, turn ? n.right : n.left, turn ? n.left : n.right});
+  triangles_.set(place, node, {n.apex, turn ? n.right : n.left, turn ? n.left : n.right});
   if (n.vertex != kNone) deltas_.add(vertices_.live(n.vertex).record.delta);
 }
 
-void BinTree::undraw(std::uint32_t node) {
-  const Node& n = nodes_[node];
-  nodes_[triangles_.remove(n.place)].place = n.place;
-  if (n.vertex != kNone) deltas_.remove(vertices_.live(n.vertex).record.delta);
+void BinTree::uncount(const Node& whole) {
+  if (whole.vertex != kNone) deltas_.remove(vertices_.live(whole.vertex).record.delta);
+}
+
+void BinTree::free(std::uint32_t place) {
+  nodes_[triangles_.remove(place)].place = place;
 }
 
 // Children stand in pairs behind four roots: left ones have even numbers.
@@ -223,21 +234,16 @@ void BinTree::evaluate(std::uint32_t vertex) {
   LiveVertex& v = vertices_.live(vertex);
   frame_->evaluation(vertices_.ball(vertex), v);
   if (v.selected && !v.visible) ++findings_.culled;
-  expect(vertex);
-}
-
-void BinTree::expect(std::uint32_t vertex) {
-  const Ticks& until = vertices_.live(vertex).until;
-  ends_.set(vertex, until);
-  if (looks_ahead_) soon_.set(vertex, odometer_.before(until, kFramesAhead));
+  if (looks_ahead_) soon_.set(vertex, odometer_.before(v.until, kFramesAhead));
 }
 
 // A page is named once, so it stays until it is there; the oldest go where too many wait.
 void BinTree::look_ahead() {
   std::erase_if(pages_ahead_, [&](std::uint64_t page) { return ground_.pages().holds(page); });
-  ended_.clear();
-  soon_.take_ended(odometer_.now(), ended_);
-  for (const std::uint32_t vertex : ended_) look_below(vertex);
+  soon_.renew_ended(odometer_.now(), [this](std::uint32_t vertex) {
+    look_below(vertex);
+    return RangeEnds::kNever;
+  });
   if (pages_ahead_.size() <= kMostAhead) return;
   pages_ahead_.erase(pages_ahead_.begin(), pages_ahead_.end() - kMostAhead);
 }
@@ -302,9 +308,12 @@ void BinTree::keep(std::uint32_t from, std::uint32_t to) {
   for (std::uint32_t* slot : {&n.apex, &n.left, &n.right, &n.vertex}) *slot = vertices_.keep(*slot);
   n.child = 0;
   n.waits = false;
-  if (n.vertex != kNone) expect(n.vertex);
+  if (n.vertex != kNone) {
+    ends_.set(n.vertex, vertices_.live(n.vertex).until);
+    soon_.set(n.vertex, odometer_.before(vertices_.live(n.vertex).until, kFramesAhead));
+  }
   if (old.waits) wait(to);
-  if (old.state == State::Whole) return enter(to);
+  if (old.state == State::Whole) return enter(to, triangles_.add());
   if (n.vertex != kNone) vertices_.attach(n.vertex, to);
   const std::uint32_t child = children_of(to);
   keep(old.child, child);

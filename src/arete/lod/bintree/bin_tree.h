@@ -65,30 +65,31 @@ class BinTree {
   };
 
   void settle(std::uint32_t node);
-  void update(std::uint32_t vertex);
+  void conform_halves(std::uint32_t vertex);
   void conform(std::uint32_t node);
   void halve(std::uint32_t node);
   void mend(std::uint32_t node);
-  void leave(std::uint32_t node);
+  std::uint32_t leave(std::uint32_t node);
 
   void settle_waiting();
   void update_ended();
-  void find_ended_below(std::uint32_t node);
+  Ticks renew(std::uint32_t vertex);
+  void renew_below(std::uint32_t node);
   void count_late();
 
   VertexIndex index_of_vertex(std::uint32_t node) const;
   bool find_vertex(std::uint32_t node);
   bool lasts(std::uint32_t vertex) const;
   void evaluate(std::uint32_t vertex);
-  void expect(std::uint32_t vertex);
   void look_ahead();
   void look_below(std::uint32_t vertex);
   void wait(std::uint32_t node);
   std::uint32_t children_of(std::uint32_t node);
 
-  void enter(std::uint32_t node);
-  void draw(std::uint32_t node);
-  void undraw(std::uint32_t node);
+  void enter(std::uint32_t node, std::uint32_t place);
+  void draw(std::uint32_t node, std::uint32_t place);
+  void uncount(const Node& whole);
+  void free(std::uint32_t place);
   void make_room();
   void plant();
   void keep(std::uint32_t from, std::uint32_t to);
@@ -103,7 +104,7 @@ class BinTree {
   CodeCounts deltas_;  ///< of the vertices of whole triangles
   RangeEnds ends_;     ///< of the vertices' live ranges, by slot
   RangeEnds soon_;     ///< the same some frames earlier; under Defer only
-  std::vector<std::uint32_t> ended_, waiting_, waited_;
+  std::vector<std::uint32_t> changed_, waiting_, waited_;
   std::vector<std::uint64_t> pages_ahead_;
   Findings findings_;
   const Frame* frame_ = nullptr;

@@ -33,10 +33,15 @@ class Criterion {
   /// |P - v| < nu delta + r [LindstromPascucci2002; METHODS 3.2]: where it fails, the error of
   /// everything below the vertex is within the tolerance. Deviation: a vertex whose delta is
   /// allowed at any distance (0, but for a budget's sake more) is never selected.
-  bool selected(const Ball& ball) const {
-    const glm::dvec3 d = ball.centre - eye_;
+  bool selected(const Ball& ball) const { return selected(ball, squared(ball)); }
+  bool selected(const Ball& ball, double squared) const {
     const double reach = this->reach(ball);
-    return ball.delta > floor_ && glm::dot(d, d) < reach * reach;
+    return ball.delta > floor_ && squared < reach * reach;
+  }
+  /// |P - v|^2.
+  double squared(const Ball& ball) const {
+    const glm::dvec3 d = ball.centre - eye_;
+    return glm::dot(d, d);
   }
   /// Radius of the tau-sphere about the vertex: nu delta + r [BaoPajarolaShafae2004, eq. 5].
   double reach(const Ball& ball) const { return nu_ * ball.delta + ball.radius; }

@@ -55,8 +55,8 @@ double Evaluation::frames(const Allowance& allowance) const {
 }
 
 // An active status needs both parts, any other one that fails [METHODS 8.4].
-Allowance Evaluation::allowance(const Ball& ball, const LiveVertex& vertex, double margin) const {
-  const double distance = glm::length(ball.centre - criterion_.eye());
+Allowance Evaluation::allowance(const Ball& ball, const LiveVertex& vertex, double margin,
+                                double distance) const {
   if (options_.safe == SafeDistance::Least) {
     const double planes = options_.culling ? std::abs(margin) : kNever;
     return {std::min(std::abs(criterion_.reach(ball) - distance), planes), kNever, kNever};
@@ -71,10 +71,11 @@ Allowance Evaluation::allowance(const Ball& ball, const LiveVertex& vertex, doub
 
 void Evaluation::operator()(const Ball& ball, LiveVertex& vertex) const {
   const double lowest = options_.culling ? criterion_.lowest(ball) : kNever;
-  vertex.selected = criterion_.selected(ball);
+  const double squared = criterion_.squared(ball);
+  vertex.selected = criterion_.selected(ball, squared);
   vertex.visible = !(lowest < -ball.radius);
   vertex.inside = lowest >= ball.radius;
-  vertex.until = odometer_.until(allowance(ball, vertex, lowest + ball.radius));
+  vertex.until = odometer_.until(allowance(ball, vertex, lowest + ball.radius, std::sqrt(squared)));
 }
 
 }  // namespace arete::lod::bintree

@@ -40,7 +40,8 @@ class Evaluation {
  private:
   Allowance selection_allowance(const Ball& ball, double distance) const;
   Allowance culling_allowance(const Ball& ball, double margin, double distance) const;
-  Allowance allowance(const Ball& ball, const LiveVertex& vertex, double margin) const;
+  Allowance allowance(const Ball& ball, const LiveVertex& vertex, double margin,
+                      double distance) const;
   double frames(const Allowance& allowance) const;
 
   const Criterion& criterion_;

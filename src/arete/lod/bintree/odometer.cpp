@@ -7,11 +7,8 @@
 namespace arete::lod::bintree {
 namespace {
 
-constexpr double kMostTicks = 0x1p30;
 constexpr double kTurnTick = 1e-7;   // radians
 constexpr double kScaleTick = 1e-6;  // of nu
-/// More ticks than a number of them below kMostTicks is rounded by.
-constexpr double kQuotientRounding = 1e-5;
 
 // Offset of a plane from the eye.
 double offset(const glm::dvec4& plane, glm::dvec3 eye) {
@@ -81,21 +78,12 @@ void Odometer::restart() {
 // The least whole number of ticks that is not behind, and one more for whatever moved.
 void Odometer::read(const Allowance& step) {
   for (std::size_t k = 0; k < kClocks; ++k) {
-    const auto ticks = static_cast<Tick>(std::ceil(total_[k] * per_tick_[k] + kQuotientRounding));
+    const double total = total_[k] * per_tick_[k];
+    travelled_[k] = total - kQuotientRounding;
+    const auto ticks = static_cast<Tick>(std::ceil(total + kQuotientRounding));
     const bool counts = step[k] > 0 && (rounding_ == Rounding::Exact || k != Move);
     now_[k] = std::max(ticks, now_[k] + (counts ? 1 : 0));
   }
-}
-
-// L = floor((X0 + d) / S); or to the next motion, where d is less than that.
-Ticks Odometer::until(const Allowance& allowance) const {
-  Ticks out;
-  for (std::size_t k = 0; k < kClocks; ++k) {
-    const double ticks = (total_[k] + allowance[k]) * per_tick_[k] - kQuotientRounding;
-    out[k] = ticks < 2 * kMostTicks - 1 ? static_cast<Tick>(std::max(ticks, 0.0)) : kForever;
-    if (rounding_ == Rounding::Exact || k != Move) out[k] = std::max(out[k], now_[k] + 1);
-  }
-  return out;
 }
 
 Ticks Odometer::before(const Ticks& until, double frames) const {

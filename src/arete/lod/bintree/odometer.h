@@ -50,7 +50,11 @@ class Odometer {
   /// a change that no clock measures, and every 2^30 ticks.
   bool advance(const Criterion& criterion);
   const Ticks& now() const { return now_; }
-  Ticks until(const Allowance& allowance) const;
+  Ticks until(const Allowance& allowance) const {
+    Ticks out;
+    for (std::size_t k = 0; k < kClocks; ++k) out[k] = until(k, allowance[k]);
+    return out;
+  }
   /// What `until` is expected to be so many frames before.
   Ticks before(const Ticks& until, double frames) const;
   /// Smoothed steps of the clocks: what the next frames may be expected to take.
@@ -59,6 +63,18 @@ class Odometer {
   bool turned() const { return turned_; }
 
  private:
+  /// More ticks than a number of them below kMostTicks is rounded by.
+  static constexpr double kQuotientRounding = 1e-5;
+  static constexpr double kMostTicks = 0x1p30;
+
+  // L = floor((X0 + d) / S); or to the next motion, where d is less than that.
+  Tick until(std::size_t k, double allowance) const {
+    const double ticks = travelled_[k] + allowance * per_tick_[k];
+    if (!(ticks < 2 * kMostTicks - 1)) return kForever;
+    const auto whole = static_cast<Tick>(std::max(ticks, 0.0));
+    const bool counts_motions = rounding_ == Rounding::Exact || k != Move;
+    return counts_motions ? std::max(whole, now_[k] + 1) : whole;
+  }
   Allowance step_to(const Criterion& next) const;
   void add(std::size_t clock, double step);
   void restart();
@@ -67,6 +83,7 @@ class Odometer {
   Allowance tick_, per_tick_{};
   Rounding rounding_;
   Allowance total_{}, rates_{};
+  Allowance travelled_{};  ///< the total in ticks, no more than that
   Ticks now_{};
   std::array<glm::dvec4, Criterion::kPlanes> planes_{};
   glm::dvec3 eye_{0};

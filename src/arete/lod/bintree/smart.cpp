@@ -33,10 +33,9 @@ class SmartEngine final : public Engine {
     vertices_.begin_frame(options.on_missing);
     if (tree_.is_full()) tree_.collect();
     const Findings found = refine_within(view, options, out.stats);
-    const auto indices = tree_.indices();
-    out.indices.assign(indices.begin(), indices.end());
     out.batches.push_back({.vertices = vertices_.key(),
-                           .index_count = static_cast<std::uint32_t>(out.indices.size()),
+                           .indices = kIndices,
+                           .index_count = static_cast<std::uint32_t>(tree_.indices().size()),
                            .error = error_m(found)});
     report(ground_, found, out.stats);
     report_vertices(out);
@@ -54,22 +53,23 @@ class SmartEngine final : public Engine {
   }
 
   std::span<const Vertex> vertices(BlockKey) const override { return vertices_.drawn(); }
-  std::span<const std::uint32_t> indices(BlockKey) const override { return {}; }
+  std::span<const std::uint32_t> indices(BlockKey) const override { return tree_.indices(); }
 
  private:
+  static constexpr BlockKey kIndices = 1;
+
   bool is_exact() const { return options_.rounding != Rounding::Floor && !options_.literal; }
 
   // A frame that a budget bound is likely followed by another.
   Findings refine_within(const View& view, const RefineOptions& options, RefineStats& stats) {
-    Findings found;
-    ScreenError error = bound_ ? fitting_error(ground_, view, options) : asked_error(view, options);
-    found = refine_once(view, error, options);
+    const ScreenError asked = asked_error(view, options);
+    ScreenError error = bound_ ? fitting_error(ground_, view, options) : asked;
+    Findings found = refine_once(view, error, options);
     if (!bound_ && !Need{found.halved}.fits(options.budget)) {
       error = fitting_error(ground_, view, options);
       found = refine_once(view, error, options);
     }
-    const double asked_m = asked_error(view, options).allowed_m(1);
-    bound_ = error.allowed_m(1) != asked_m;
+    bound_ = error.allowed_m(1) != asked.allowed_m(1);
     stats.tolerance_px = bound_ ? kept_tolerance_px(ground_, view, error) : options.tolerance_px;
     if (vertex_bytes(found) > options.budget.vertex_bytes) {
       tree_.collect();
@@ -103,11 +103,12 @@ class SmartEngine final : public Engine {
     const auto first = renewed ? 0 : uploaded_;
     uploaded_key_ = vertices_.key();
     uploaded_ = static_cast<std::uint32_t>(vertices_.size());
+    const auto indices = static_cast<std::uint32_t>(tree_.indices().size());
     out.uploads.push_back({uploaded_key_, first, uploaded_ - first});
+    out.uploads.push_back({kIndices, 0, indices, BlockKind::Indices});
     out.stats.built_blocks = renewed ? 1 : 0;
     out.stats.bytes_built = (uploaded_ - first) * sizeof(Vertex);
-    out.stats.resident_bytes = vertices_.size() * sizeof(Vertex) +  //
-                               out.indices.size() * sizeof(std::uint32_t);
+    out.stats.resident_bytes = vertices_.size() * sizeof(Vertex) + indices * sizeof(std::uint32_t);
   }
 
   Ground ground_;
@@ -139,7 +140,7 @@ std::unique_ptr<Engine> open_smart(const store::Terrain& terrain, const Params& 
                                     {{"ended", Visit::Ended}, {"all", Visit::All}});
   options.tree.capacity =
       static_cast<std::size_t>(int_param(params, "capacity", 1 << 16, {16, 1 << 28}));
-  options.tick_m = 1e-3 * int_param(params, "tick", 20, {1, 1'000'000}) * spacing_m(terrain);
+  options.tick_m = 1e-3 * int_param(params, "tick", 5, {1, 1'000'000}) * spacing_m(terrain);
   return std::make_unique<SmartEngine>(terrain, options);
 }
 

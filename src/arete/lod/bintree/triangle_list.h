@@ -17,12 +17,11 @@ class TriangleList {
     indices_.reserve(3 * triangles);
     owners_.reserve(triangles);
   }
-  /// Adds a triangle of `owner` and returns its place.
-  std::uint32_t add(std::uint32_t owner, const Triangle& t) {
-    const auto place = static_cast<std::uint32_t>(owners_.size());
-    owners_.push_back(owner);
-    indices_.insert(indices_.end(), t.begin(), t.end());
-    return place;
+  /// A new place, to be set.
+  std::uint32_t add() {
+    owners_.push_back(0);
+    indices_.resize(indices_.size() + 3);
+    return static_cast<std::uint32_t>(owners_.size()) - 1;
   }
   void set(std::uint32_t place, std::uint32_t owner, const Triangle& t) {
     owners_[place] = owner;

@@ -44,8 +44,11 @@ struct FrameCost {
 };
 
 double sent_bytes(const DrawList& list) {
-  return static_cast<double>(list.vertices.size() * sizeof(Vertex) + list.stats.bytes_built +
-                             list.indices.size() * sizeof(std::uint32_t));
+  std::size_t bytes = list.vertices.size() * sizeof(Vertex) +  //
+                      list.indices.size() * sizeof(std::uint32_t);
+  for (const Upload& u : list.uploads)
+    bytes += u.count * (u.kind == BlockKind::Vertices ? sizeof(Vertex) : sizeof(std::uint32_t));
+  return static_cast<double>(bytes);
 }
 
 /// What one engine spent on every counted frame.
