@@ -76,7 +76,10 @@ void BinTree::settle_waiting() {
 void BinTree::update_ended() {
   changed_.clear();
   if (visit_ == Visit::Ended) {
-    ends_.renew_ended(odometer_.now(), [this](std::uint32_t vertex) { return renew(vertex); });
+    ends_.renew_ended(odometer_.now(), [this](std::uint32_t vertex) {
+      ++findings_.visited;
+      return renew(vertex);
+    });
   } else {
     for (std::uint32_t i = 0; i < kRoots; ++i) renew_below(i);
   }
@@ -86,11 +89,11 @@ void BinTree::update_ended() {
 // Those that the tree has left are forgotten; they are evaluated anew when they come back.
 Ticks BinTree::renew(std::uint32_t vertex) {
   if (!vertices_.is_attached(vertex)) return RangeEnds::kNever;
-  ++findings_.visited;
   LiveVertex& v = vertices_.live(vertex);
   const bool was_wanted = v.wanted();
   evaluate(vertex);
   if (v.wanted() != was_wanted) changed_.push_back(vertex);
+  expect_soon(vertex);
   return v.until;
 }
 
@@ -125,7 +128,7 @@ void BinTree::settle(std::uint32_t node) {
   const std::uint32_t vertex = nodes_[node].vertex;
   const bool lasted = lasts(vertex);
   if (!lasted) evaluate(vertex);
-  ends_.set(vertex, vertices_.live(vertex).until);
+  expect(vertex);
   lasted ? conform(node) : conform_halves(vertex);
 }
 
@@ -234,7 +237,15 @@ void BinTree::evaluate(std::uint32_t vertex) {
   LiveVertex& v = vertices_.live(vertex);
   frame_->evaluation(vertices_.ball(vertex), v);
   if (v.selected && !v.visible) ++findings_.culled;
-  if (looks_ahead_) soon_.set(vertex, odometer_.before(v.until, kFramesAhead));
+}
+
+void BinTree::expect(std::uint32_t vertex) {
+  ends_.set(vertex, vertices_.live(vertex).until);
+  expect_soon(vertex);
+}
+
+void BinTree::expect_soon(std::uint32_t vertex) {
+  if (looks_ahead_) soon_.set(vertex, odometer_.before(vertices_.live(vertex).until, kFramesAhead));
 }
 
 // A page is named once, so it stays until it is there; the oldest go where too many wait.
@@ -308,10 +319,7 @@ void BinTree::keep(std::uint32_t from, std::uint32_t to) {
   for (std::uint32_t* slot : {&n.apex, &n.left, &n.right, &n.vertex}) *slot = vertices_.keep(*slot);
   n.child = 0;
   n.waits = false;
-  if (n.vertex != kNone) {
-    ends_.set(n.vertex, vertices_.live(n.vertex).until);
-    soon_.set(n.vertex, odometer_.before(vertices_.live(n.vertex).until, kFramesAhead));
-  }
+  if (n.vertex != kNone) expect(n.vertex);
   if (old.waits) wait(to);
   if (old.state == State::Whole) return enter(to, triangles_.add());
   if (n.vertex != kNone) vertices_.attach(n.vertex, to);

@@ -81,6 +81,8 @@ class BinTree {
   bool find_vertex(std::uint32_t node);
   bool lasts(std::uint32_t vertex) const;
   void evaluate(std::uint32_t vertex);
+  void expect(std::uint32_t vertex);
+  void expect_soon(std::uint32_t vertex);
   void look_ahead();
   void look_below(std::uint32_t vertex);
   void wait(std::uint32_t node);
