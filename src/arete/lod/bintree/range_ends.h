@@ -13,7 +13,7 @@
 namespace arete::lod::bintree {
 
 /// When live ranges end, so that those that ended are found without a look at the others: the least
-/// limits of every 8 places, of every 64, and so on. What METHODS 8.11 does with a timing wheel,
+/// limits of every 32 places and of every 1024. What METHODS 8.11 does with a timing wheel,
 /// for three clocks at once.
 class RangeEnds {
  public:
@@ -23,7 +23,7 @@ class RangeEnds {
   /// Sets a place's limits.
   void set(std::uint32_t place, const Ticks& until);
   /// For every place whose range has ended, in ascending order: `renew(place)` gives its new
-  /// limits, kNever to forget it. Cost: of them, and a look at every 512th place. `renew` must not
+  /// limits, kNever to forget it. Cost: of them, and a look at every 1024th place. `renew` must not
   /// set().
   template <typename Renew>
   void renew_ended(const Ticks& now, Renew renew) {
@@ -33,8 +33,8 @@ class RangeEnds {
   void clear();
 
  private:
-  static constexpr std::size_t kFan = 8, kLevels = 4;
-  /// The limits of 8 places, or the least ones of 8 blocks, by clock: what vector code likes.
+  static constexpr std::size_t kFan = 32, kLevels = 3;
+  /// The limits of 32 places, or the least ones of 32 blocks, by clock: what vector code likes.
   struct Block {
     std::array<std::array<Tick, kFan>, kClocks> until;
   };
@@ -58,7 +58,7 @@ class RangeEnds {
     }
   }
 
-  /// [0]: of places; place k of [n][i] is no later than any in [n - 1][8 i + k].
+  /// [0]: of places; place k of [n][i] is no later than any in [n - 1][32 i + k].
   std::array<std::vector<Block>, kLevels> blocks_;
 };
 
@@ -76,9 +76,13 @@ inline void RangeEnds::put(Block& block, std::size_t k, const Ticks& until) {
   for (std::size_t c = 0; c < kClocks; ++c) block.until[c][k] = until[c];
 }
 
-// A bit for each of the 8. Loops of one operation each: compilers make vector code of them.
+// A bit for each of the 32. Loops of one operation each: compilers make vector code of them.
 inline unsigned RangeEnds::ended_in(const Block& block, const Ticks& now) {
-  constexpr std::array<Tick, kFan> kBits{1, 2, 4, 8, 16, 32, 64, 128};
+  constexpr std::array<Tick, kFan> kBits = [] {
+    std::array<Tick, kFan> bits{};
+    for (std::size_t k = 0; k < kFan; ++k) bits[k] = static_cast<Tick>(1U << k);
+    return bits;
+  }();
   const auto& until = block.until;
   std::array<Tick, kFan> left, bits;
   for (std::size_t k = 0; k < kFan; ++k) {
