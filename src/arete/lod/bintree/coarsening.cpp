@@ -17,15 +17,11 @@ struct Count {
 
 }  // namespace
 
-ScreenError asked_error(const View& view, const RefineOptions& options) {
-  return {view, options.tolerance_px, options.scale};
-}
-
 ScreenError fitting_error(Ground& ground, const View& view, const RefineOptions& options,
                           double sharper) {
   constexpr double kLeastPx = 0x1p-20;  // "every post" has no tolerance to multiply
   const ScreenError base(view, std::max(options.tolerance_px, kLeastPx), options.scale);
-  ScreenError used = asked_error(view, options);
+  ScreenError used(view, options.tolerance_px, options.scale);
   least_fitting([&](double log_times) {
     if (log_times > 0) used = base.coarser(std::exp(log_times));
     const Criterion criterion(view, used, sharper);

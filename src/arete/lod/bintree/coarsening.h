@@ -23,8 +23,6 @@ inline Budget least_budget() {
   return Need{}.budget();
 }
 
-/// What the view asks for, before a budget.
-ScreenError asked_error(const View& view, const RefineOptions& options);
 /// The finest error, to 0.1 %, under which the view's triangles fit the budget. The same for the
 /// same ground and view, whoever asks. `sharper`: of the Criterion that will be drawn by.
 /// Cost: some eight walks.
@@ -32,5 +30,36 @@ ScreenError fitting_error(Ground& ground, const View& view, const RefineOptions&
                           double sharper = 1);
 /// The tolerance in pixels that the error keeps over the ground.
 double kept_tolerance_px(const Ground& ground, const View& view, const ScreenError& error);
+
+/// Draws every frame by the error asked for or, where a budget does not allow it, by the finest
+/// that fits.
+class FittedDrawing {
+ public:
+  /// `ground` must outlive it. `sharper`: as of fitting_error.
+  explicit FittedDrawing(Ground& ground, double sharper = 1) : ground_(ground), sharper_(sharper) {}
+
+  /// `draw(error)` draws and says what it found; its last call is the frame's. Sets the tolerance
+  /// that the frame keeps.
+  template <typename Draw>
+  Findings operator()(const View& view, const RefineOptions& options, RefineStats& stats,
+                      Draw draw) {
+    const ScreenError asked(view, options.tolerance_px, options.scale);
+    // A frame that a budget bound is likely followed by another.
+    ScreenError error = bound_ ? fitting_error(ground_, view, options, sharper_) : asked;
+    Findings found = draw(error);
+    if (!bound_ && !Need{found.halved}.fits(options.budget)) {
+      error = fitting_error(ground_, view, options, sharper_);
+      found = draw(error);
+    }
+    bound_ = error.allowed_m(1) != asked.allowed_m(1);
+    stats.tolerance_px = bound_ ? kept_tolerance_px(ground_, view, error) : options.tolerance_px;
+    return found;
+  }
+
+ private:
+  Ground& ground_;
+  double sharper_;
+  bool bound_ = false;
+};
 
 }  // namespace arete::lod::bintree

@@ -32,7 +32,9 @@ class SmartEngine final : public Engine {
     ground_.pages().begin_frame();
     vertices_.begin_frame(options.on_missing);
     if (tree_.is_full()) tree_.collect();
-    const Findings found = refine_within(view, options, out.stats);
+    const Findings found = drawing_(view, options, out.stats, [&](const ScreenError& error) {
+      return refine_by(error, view, options);
+    });
     out.batches.push_back({.vertices = vertices_.key(),
                            .indices = kIndices,
                            .index_count = static_cast<std::uint32_t>(tree_.indices().size()),
@@ -60,26 +62,13 @@ class SmartEngine final : public Engine {
 
   bool is_exact() const { return options_.rounding != Rounding::Floor && !options_.literal; }
 
-  // A frame that a budget bound is likely followed by another.
-  Findings refine_within(const View& view, const RefineOptions& options, RefineStats& stats) {
-    const ScreenError asked = asked_error(view, options);
-    ScreenError error = bound_ ? fitting_error(ground_, view, options) : asked;
-    Findings found = refine_once(view, error, options);
-    if (!bound_ && !Need{found.halved}.fits(options.budget)) {
-      error = fitting_error(ground_, view, options);
-      found = refine_once(view, error, options);
-    }
-    bound_ = error.allowed_m(1) != asked.allowed_m(1);
-    stats.tolerance_px = bound_ ? kept_tolerance_px(ground_, view, error) : options.tolerance_px;
-    if (vertex_bytes(found) > options.budget.vertex_bytes) {
-      tree_.collect();
-      found = refine_once(view, error, options);
-    }
-    return found;
-  }
-
-  std::uint64_t vertex_bytes(const Findings& found) const {
-    return vertices_.size() * sizeof(Vertex) + 3 * sizeof(std::uint32_t) * (found.halved + 4);
+  Findings refine_by(const ScreenError& error, const View& view, const RefineOptions& options) {
+    const Findings found = refine_once(view, error, options);
+    const std::uint64_t bytes =
+        vertices_.size() * sizeof(Vertex) + tree_.indices().size() * sizeof(std::uint32_t);
+    if (bytes <= options.budget.vertex_bytes) return found;
+    tree_.collect();
+    return refine_once(view, error, options);
   }
 
   Findings refine_once(const View& view, const ScreenError& error, const RefineOptions& options) {
@@ -116,7 +105,8 @@ class SmartEngine final : public Engine {
   VertexArray vertices_;
   Odometer odometer_;
   BinTree tree_;
-  bool culled_ = true, bound_ = false;
+  FittedDrawing drawing_{ground_};
+  bool culled_ = true;
   BlockKey uploaded_key_ = kOwnBlock;
   std::uint32_t uploaded_ = 0;
 };

@@ -21,7 +21,9 @@ class SoarEngine final : public Engine {
     if (!ground_.has_cells()) return out.clear();
     ground_.pages().begin_frame();
     presence_.begin_frame(options.on_missing);
-    const Findings found = refine_within(view, options, out);
+    const Findings found = drawing_(view, options, out.stats, [&](const ScreenError& error) {
+      return draw(view, error, options, out);
+    });
     report(ground_, found, out.stats);
     out.stats.resident_bytes = out.vertices.size() * sizeof(Vertex) +  //
                                out.indices.size() * sizeof(std::uint32_t);
@@ -50,21 +52,6 @@ class SoarEngine final : public Engine {
     out.clear();
     out.vertices = std::move(vertices);
     out.indices = std::move(indices);
-  }
-
-  // A frame that a budget bound is likely followed by another.
-  Findings refine_within(const View& view, const RefineOptions& options, DrawList& out) {
-    const ScreenError asked = asked_error(view, options);
-    ScreenError error = bound_ ? fitting_error(ground_, view, options, sharper_) : asked;
-    Findings found = draw(view, error, options, out);
-    if (!bound_ && !Need{found.halved}.fits(options.budget)) {
-      error = fitting_error(ground_, view, options, sharper_);
-      found = draw(view, error, options, out);
-    }
-    bound_ = error.allowed_m(1) != asked.allowed_m(1);
-    out.stats.tolerance_px =
-        bound_ ? kept_tolerance_px(ground_, view, error) : options.tolerance_px;
-    return found;
   }
 
   Findings draw(const View& view, const ScreenError& error, const RefineOptions& options,
@@ -96,7 +83,7 @@ class SoarEngine final : public Engine {
   Presence presence_{ground_};
   Delta delta_;
   double sharper_;
-  bool bound_ = false;
+  FittedDrawing drawing_{ground_, sharper_};
 };
 
 }  // namespace
