@@ -167,6 +167,20 @@ TEST(Build, UnitsOfAnotherSourceAreNotUsed) {
   EXPECT_EQ(read_all_files(folder / "a.arete"), read_all_files(folder / "b.arete"));
 }
 
+// Messages of a method name the output, not where it is being made; and of a finished store its
+// path, whatever it looks like.
+TEST(Build, TerrainsAreNamedAfterTheirOutput) {
+  TemporaryFolder folder;
+  Heightfield field = make_hills(20, 20, 1);
+  fs::create_directories(folder / "x.part");
+  BuildOptions options = options_for(folder / "x.part/store");
+  std::string unfinished;
+  options.preprocess = [&](const Terrain& terrain, Writers&) { unfinished = terrain.name(); };
+  build(field, options, {});
+  EXPECT_EQ(unfinished, options.output);
+  EXPECT_EQ(Terrain::open(options.output)->name(), options.output);
+}
+
 TEST(Build, TwoBuildersAtOnceGiveOneError) {
   TemporaryFolder folder;
   Heightfield field = sample_field();

@@ -162,6 +162,7 @@ TEST_F(RetiredStore, IsAddedToAndNotBuiltAnewWithoutForce) {
   plain.force = false;
   EXPECT_THROW(build(other_, plain, {}), Error);
   EXPECT_EQ(read_all_files(output()), old_files_);
+  EXPECT_FALSE(fs::exists(part()));
   retire();
   extend(output(), options_for(1), {});
   EXPECT_EQ(read_all_files(output()), old_files_);
@@ -195,6 +196,17 @@ TEST_F(RetiredStore, IsNotTouchedWhileAnotherBuildIsAtWork) {
   retire();
   EXPECT_THROW(build(other_, options_for(2), {}), Error);
   EXPECT_TRUE(fs::exists(held.retired()));
+}
+
+// A replacement at work may stand between its two renames for a while.
+TEST_F(RetiredStore, ReadersWaitForAReplacementAtWork) {
+  OpenOptions options;
+  int opened = 0;
+  options.open = [&](const fs::path& path) {
+    if (++opened == 6) fs::rename(part() / "retired", output());
+    return open_file(path);
+  };
+  EXPECT_NO_THROW(Terrain::open(output(), options));
 }
 
 TEST_F(RetiredStore, ReadersSayWhereItIs) {

@@ -117,6 +117,12 @@ without_exchange() {
     check_refusal "no exchange, killed at rename $index" "$code"
   done
   ((gaps > 0)) || fault "control: no kill between the two renames"
+  fresh
+  mkdir s/t.arete.part && mv s/t.arete s/t.arete.part/retired
+  local code=0
+  "$arete" build new.tif -o s/t.arete --quiet 2>err || code=$?
+  [[ $code == 2 ]] || fault "no exchange, no --force: exit $code: $(cat err)"
+  check_refusal "no exchange, no --force" 1
   echo "no exchange of names: $gaps kills with the old store moved aside"
 }
 

@@ -152,33 +152,13 @@ std::string part_key(const std::string& what, const std::string& source) {
   return fmt::format("{} {} {}\n", kFormatVersion, what, hash128(source).hex());
 }
 
-}  // namespace
-
-void build(HeightSource& source, const BuildOptions& options, const BuildContext& context) {
-  check_source(source);
-  const fs::path output = without_slash(options.output);
-  bring_back_store(output);
-  if (fs::exists(output) && !options.force) {
-    require_same_heights(source, output);
-    return extend(output, options, context);
-  }
-  require_store(output);
-  const bool replaces = fs::exists(output);
-  in_part_directory(output, part_key("build", options.source_key), [&](PartDirectory& part) {
-    if (fs::exists(output) != replaces) fail_changed(output);
-    StoreBuilder builder(part.units(), part.store(), context);
-    make_store(source, options, builder);
-  });
-}
-
-void extend(const fs::path& named, const BuildOptions& options, const BuildContext& context) {
-  const fs::path store = without_slash(named);
-  bring_back_store(store);
+// Of a store that is where it belongs.
+void add_to(const fs::path& store, const BuildOptions& options, const BuildContext& context) {
   const Manifest old = open_quietly(store)->manifest();
   in_part_directory(
       store, part_key("extend", old.id + options.source_key), [&](PartDirectory& part) {
         if (open_quietly(store)->manifest().id != old.id) fail_changed(store);
-        StoreBuilder builder(part.units(), part.store(), context);
+        StoreBuilder builder(part, context);
         builder.adopt(store, old);
         if (options.drape != nullptr) write_drape(*options.drape, builder);
         const Terrain& terrain = builder.open_terrain();
@@ -188,6 +168,31 @@ void extend(const fs::path& named, const BuildOptions& options, const BuildConte
             builder.manifest.methods.push_back(method);
         builder.finish();
       });
+}
+
+}  // namespace
+
+void build(HeightSource& source, const BuildOptions& options, const BuildContext& context) {
+  check_source(source);
+  const fs::path output = without_slash(options.output);
+  bring_back_store(output);
+  if (fs::exists(output) && !options.force) {
+    require_same_heights(source, output);
+    return add_to(output, options, context);
+  }
+  require_store(output);
+  const bool replaces = fs::exists(output);
+  in_part_directory(output, part_key("build", options.source_key), [&](PartDirectory& part) {
+    if (fs::exists(output) != replaces) fail_changed(output);
+    StoreBuilder builder(part, context);
+    make_store(source, options, builder);
+  });
+}
+
+void extend(const fs::path& named, const BuildOptions& options, const BuildContext& context) {
+  const fs::path store = without_slash(named);
+  bring_back_store(store);
+  add_to(store, options, context);
 }
 
 }  // namespace arete::store

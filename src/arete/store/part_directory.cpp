@@ -53,12 +53,6 @@ fs::path part_path(const fs::path& output) {
 
 }  // namespace
 
-fs::path output_of(const fs::path& store) {
-  fs::path part = store.parent_path();
-  if (store.filename() != "store" || part.extension() != ".part") return store;
-  return part.replace_extension();
-}
-
 std::optional<fs::path> retired_store(const fs::path& output) {
   std::error_code error;
   const fs::path retired = part_path(output) / "retired";
@@ -67,7 +61,10 @@ std::optional<fs::path> retired_store(const fs::path& output) {
 }
 
 void bring_back_store(const fs::path& output) {
-  if (retired_store(output)) PartDirectory(output).bring_back();
+  if (!retired_store(output)) return;
+  PartDirectory part(output);
+  part.bring_back();
+  part.remove();
 }
 
 PartDirectory::PartDirectory(const fs::path& output) : output_(output), path_(part_path(output)) {

@@ -22,6 +22,7 @@ class PartDirectory {
   PartDirectory(const PartDirectory&) = delete;
   PartDirectory& operator=(const PartDirectory&) = delete;
 
+  const std::filesystem::path& output() const { return output_; }
   std::filesystem::path units() const { return path_ / "units"; }
   std::filesystem::path store() const { return path_ / "store"; }
   std::filesystem::path retired() const { return path_ / "retired"; }
@@ -42,12 +43,11 @@ class PartDirectory {
   int lock_fd_ = -1;
 };
 
-/// The output of a build whose unpublished store is at `store`; else `store` itself.
-std::filesystem::path output_of(const std::filesystem::path& store);
 /// Where the old store lies when nothing is at `output` because its replacement was killed between
 /// moving the one away and the other in. Throws: nothing.
 std::optional<std::filesystem::path> retired_store(const std::filesystem::path& output);
-/// Moves it back. Throws: Io, also when a build is at work there.
+/// Moves it back and deletes the part directory, which holds nothing to go on from: its key went
+/// before the old store came. Throws: Io, also when a build is at work there.
 void bring_back_store(const std::filesystem::path& output);
 
 }  // namespace arete::store

@@ -52,8 +52,8 @@ class UnitSink : public BlockSink {
 
 }  // namespace
 
-StoreBuilder::StoreBuilder(fs::path units, fs::path store, const BuildContext& context)
-    : units_(std::move(units)), store_(std::move(store)), context_(context) {}
+StoreBuilder::StoreBuilder(const PartDirectory& part, const BuildContext& context)
+    : units_(part.units()), store_(part.store()), output_(part.output()), context_(context) {}
 
 fs::path StoreBuilder::file_of(const std::string& name) const {
   return store_ / (name + ".seg");
@@ -134,6 +134,7 @@ const Terrain& StoreBuilder::open_terrain() {
   options.cache_bytes = context_.memory_limit / 4;
   options.prefetch = false;
   terrain_ = Terrain::open(store_, options);
+  terrain_->impl_->known_as = output_.string();
   return *terrain_;
 }
 

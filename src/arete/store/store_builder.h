@@ -8,6 +8,7 @@
 
 #include "arete/core/build_context.h"
 #include "arete/store/build.h"
+#include "arete/store/part_directory.h"
 #include "arete/store/segment_reader.h"
 #include "arete/store/unit.h"
 
@@ -16,8 +17,7 @@ namespace arete::store {
 /// A store that is not yet published: makes segments from units in a part directory.
 class StoreBuilder : public Writers {
  public:
-  StoreBuilder(std::filesystem::path units, std::filesystem::path store,
-               const BuildContext& context);
+  StoreBuilder(const PartDirectory& part, const BuildContext& context);
 
   Manifest manifest;
 
@@ -49,7 +49,7 @@ class StoreBuilder : public Writers {
   void add(const SegmentRecord& record);
   void remove_strays() const;
 
-  std::filesystem::path units_, store_;
+  std::filesystem::path units_, store_, output_;
   const BuildContext& context_;
   std::unique_ptr<Terrain> terrain_;
 };

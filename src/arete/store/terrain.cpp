@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <thread>
 
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -49,10 +51,15 @@ DirectoryIdentity identity_of(const std::filesystem::path& directory) {
 void require_not_retired(const std::filesystem::path& store) {
   if (const auto retired = retired_store(store))
     throw Error(ErrorCode::NotFound,
-                fmt::format("{}: not there: its replacement broke off and left it in {}: build "
-                            "again, which brings it back",
+                fmt::format("{}: not there: its replacement is at work, or broke off and left it "
+                            "in {}: open it again, or build again, which brings it back",
                             store.string(), retired->string()));
 }
+
+// A store that was exchanged twice meanwhile looks as it did: a failure counts the third time. A
+// replacement that is at work between its two renames is given 0.1 s.
+constexpr int kTries = 3, kTriesOfRetired = 20;
+constexpr std::chrono::milliseconds kPause{5};
 
 // Level 0 from the heights, the other levels from the segment.
 class DerivedRaster : public RasterSource {
@@ -84,7 +91,10 @@ class DerivedRaster : public RasterSource {
 }  // namespace
 
 Terrain::Impl::Impl(std::filesystem::path path, OpenOptions open_options)
-    : store(std::move(path)), options(std::move(open_options)), cache(options.cache_bytes) {
+    : store(std::move(path)),
+      known_as(store.string()),
+      options(std::move(open_options)),
+      cache(options.cache_bytes) {
   const std::filesystem::path file = store / kManifestName;
   manifest = parse_manifest(read_text(*open(file), file.string()), file.string());
   shape = {manifest.cols, manifest.rows};
@@ -177,14 +187,19 @@ Terrain::~Terrain() = default;
 // there now is opened.
 std::unique_ptr<Terrain> Terrain::open(const std::filesystem::path& store, OpenOptions options) {
   std::unique_ptr<Terrain> terrain(new Terrain());
-  // A store that was exchanged twice meanwhile looks as it did: a failure counts the third time.
   for (int failures = 0; true;) {
     const DirectoryIdentity before = identity_of(store);
     try {
       terrain->impl_ = std::make_unique<Impl>(store, options);
       return terrain;
     } catch (const Error&) {
-      if (identity_of(store) != before || ++failures < 3) continue;
+      const bool is_retired = retired_store(store).has_value();
+      // Asked last: a store that has come back before the other question is another one now.
+      if (identity_of(store) != before) continue;
+      if (++failures < (is_retired ? kTriesOfRetired : kTries)) {
+        if (is_retired) std::this_thread::sleep_for(kPause);
+        continue;
+      }
       require_not_retired(store);
       throw;
     }
@@ -195,7 +210,7 @@ const Manifest& Terrain::manifest() const {
   return impl_->manifest;
 }
 std::string Terrain::name() const {
-  return output_of(impl_->store).string();
+  return impl_->known_as;
 }
 int Terrain::levels() const {
   return impl_->levels;

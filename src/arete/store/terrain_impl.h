@@ -35,6 +35,7 @@ struct Terrain::Impl {
   std::unique_ptr<File> open(const std::filesystem::path& path) const;
 
   std::filesystem::path store;
+  std::string known_as;  ///< what messages call it
   OpenOptions options;
   Manifest manifest;
   PyramidShape shape;
