@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include <fcntl.h>
@@ -33,7 +33,7 @@ class PosixFile : public File {
       if (n < 0 && errno == EINTR) continue;
       if (n < 0)
         throw Error(ErrorCode::Io, fmt::format("{}: cannot read at byte {}: {}", name_, offset,
-                                               std::strerror(errno)));
+                                               std::generic_category().message(errno)));
       if (n == 0)
         throw Error(ErrorCode::Corrupt,
                     fmt::format("{}: ends at byte {}: rebuild the store", name_, offset));
@@ -78,8 +78,9 @@ class MappedFile : public File {
 std::pair<int, std::uint64_t> open_regular(const std::filesystem::path& path) {
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (fd < 0)
-    throw Error(errno == ENOENT || errno == ENOTDIR ? ErrorCode::NotFound : ErrorCode::Io,
-                fmt::format("{}: cannot open: {}", path.string(), std::strerror(errno)));
+    throw Error(
+        errno == ENOENT || errno == ENOTDIR ? ErrorCode::NotFound : ErrorCode::Io,
+        fmt::format("{}: cannot open: {}", path.string(), std::generic_category().message(errno)));
   struct stat status {};
   if (::fstat(fd, &status) != 0 || !S_ISREG(status.st_mode)) {
     ::close(fd);
@@ -101,8 +102,8 @@ std::unique_ptr<File> map_file(const std::filesystem::path& path) {
   const int failure = errno;
   ::close(fd);
   if (at == MAP_FAILED)
-    throw Error(ErrorCode::Io,
-                fmt::format("{}: cannot map: {}", path.string(), std::strerror(failure)));
+    throw Error(ErrorCode::Io, fmt::format("{}: cannot map: {}", path.string(),
+                                           std::generic_category().message(failure)));
   return std::make_unique<MappedFile>(std::span(static_cast<const std::byte*>(at), size),
                                       path.string());
 }

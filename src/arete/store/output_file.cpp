@@ -1,8 +1,8 @@
 #include "arete/store/output_file.h"
 
 #include <cerrno>
-#include <cstring>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include <fcntl.h>
@@ -19,7 +19,7 @@ namespace {
                            ? ": free disk space or choose another output"
                            : "";
   throw Error(ErrorCode::Io, fmt::format("{}: cannot {}: {}{}", path.string(), what,
-                                         std::strerror(reason), remedy));
+                                         std::generic_category().message(reason), remedy));
 }
 
 int open_or_fail(const std::filesystem::path& path, int flags) {

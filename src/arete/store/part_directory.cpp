@@ -1,7 +1,6 @@
 #include "arete/store/part_directory.h"
 
 #include <cerrno>
-#include <cstring>
 #include <system_error>
 #include <vector>
 
@@ -90,8 +89,9 @@ void PartDirectory::bring_back() const {
   const auto old = retired_store(output_);
   if (!old) return;
   if (::rename(old->c_str(), output_.c_str()) != 0)
-    throw Error(ErrorCode::Io, fmt::format("{}: cannot bring back the old store from {}: {}",
-                                           output_.string(), old->string(), std::strerror(errno)));
+    throw Error(ErrorCode::Io,
+                fmt::format("{}: cannot bring back the old store from {}: {}", output_.string(),
+                            old->string(), std::generic_category().message(errno)));
   sync_parent(output_);
 }
 
@@ -124,15 +124,16 @@ void PartDirectory::lock() {
       fs::remove(path_, error);  // only if it is empty
       throw Error(ErrorCode::Io,
                   fmt::format("{}: cannot create: {}: choose an output that can be written",
-                              path_.string(), std::strerror(reason)));
+                              path_.string(), std::generic_category().message(reason)));
     }
     if (const int reason = try_to_lock(fd); reason != 0) {
       ::close(fd);
       if (reason == EWOULDBLOCK)
         throw Error(ErrorCode::Io,
                     fmt::format("{}: another build is running: wait for it", path_.string()));
-      throw Error(ErrorCode::Io, fmt::format("{}: cannot lock: {}: choose another file system",
-                                             path_.string(), std::strerror(reason)));
+      throw Error(ErrorCode::Io,
+                  fmt::format("{}: cannot lock: {}: choose another file system", path_.string(),
+                              std::generic_category().message(reason)));
     }
     if (same_file(fd, file)) {
       lock_fd_ = fd;
@@ -145,8 +146,8 @@ void PartDirectory::lock() {
 void PartDirectory::forget_key() {
   const fs::path key = path_ / "key";
   if (::unlink(key.c_str()) != 0)
-    throw Error(ErrorCode::Io,
-                fmt::format("{}: cannot remove: {}", key.string(), std::strerror(errno)));
+    throw Error(ErrorCode::Io, fmt::format("{}: cannot remove: {}", key.string(),
+                                           std::generic_category().message(errno)));
   sync_directory(path_);
 }
 

@@ -2,8 +2,8 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <functional>
+#include <system_error>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -22,8 +22,8 @@ bool exchange(const fs::path& a, const fs::path& b) {
 
 void rename_or_fail(const fs::path& from, const fs::path& to) {
   if (::rename(from.c_str(), to.c_str()) != 0)
-    throw Error(ErrorCode::Io,
-                fmt::format("{}: cannot publish: {}", to.string(), std::strerror(errno)));
+    throw Error(ErrorCode::Io, fmt::format("{}: cannot publish: {}", to.string(),
+                                           std::generic_category().message(errno)));
 }
 
 // What undoes the publication: the old store, if there was one, is at `output` again.
