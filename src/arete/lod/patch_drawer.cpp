@@ -113,8 +113,7 @@ void PatchDrawer::fetch_blocks(PatchField& field, const RefineOptions& options,
   if (options.on_missing != OnMissing::Defer) return;
   // Coarse tiles first: they are few, and better the picture soonest.
   std::ranges::sort(wanted_, std::greater{});
-  const auto repeats = std::ranges::unique(wanted_);
-  wanted_.erase(repeats.begin(), repeats.end());
+  wanted_.erase(std::unique(wanted_.begin(), wanted_.end()), wanted_.end());
   terrain_.prefetch(wanted_);
 }
 

@@ -29,8 +29,7 @@ std::uint64_t named_bytes(const DrawList& list, const BlockSource& blocks) {
     if (batch.vertices != kOwnBlock) keys.push_back(batch.vertices);
   }
   std::ranges::sort(keys);
-  const auto repeats = std::ranges::unique(keys);
-  keys.erase(repeats.begin(), repeats.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
   std::uint64_t bytes = list.vertices.size() * sizeof(Vertex) + list.indices.size() * 4;
   for (const BlockKey key : keys) bytes += blocks.vertices(key).size_bytes();
   for (const Upload& u : list.uploads) {
