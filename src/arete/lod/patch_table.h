@@ -48,7 +48,7 @@ class PatchTable {
   const float* side(int patch, Side q) const {
     return &side_[(at(patch) * kSides + static_cast<std::size_t>(q)) * knots()];
   }
-  std::size_t knots() const { return static_cast<std::size_t>(w_ + 1); }
+  std::size_t knots() const { return static_cast<std::size_t>(w_) + 1; }
   std::uint64_t bytes() const;
 
  private:

@@ -53,7 +53,7 @@ class Strip {
   static constexpr Vertex kBlank{};
   /// Between two calls of halving() every level above adds at most two vertices, and each root one
   /// or two; an addition writes two indices at most.
-  static constexpr std::uint32_t kMostAdded = 128;
+  static constexpr std::size_t kMostAdded = 128;
   static_assert(kMostAdded >= 2 * (2 * Domain::kMaxLog2Cells) + 4 * 2 + 3);
 
   // Which vertices repeat is guessed well; where the strip turns and whether a vertex has a slot is
@@ -96,7 +96,7 @@ class Strip {
     out_.indices.resize(2 * out_.vertices.size());
     vertices_ = out_.vertices.data();
     next_ = out_.indices.data() + used;
-    last_vertex_ = static_cast<std::uint32_t>(out_.vertices.size()) - kMostAdded;
+    last_vertex_ = static_cast<std::uint32_t>(out_.vertices.size() - kMostAdded);
     last_index_ = out_.indices.data() + out_.indices.size() - 2 * kMostAdded;
   }
 
