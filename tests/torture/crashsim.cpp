@@ -18,7 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::string kStore = "t.arete";
-const std::string kRetired = kStore + ".part/retired";
+const std::string kPart = kStore + ".part";
+const std::string kRetired = kPart + "/retired";
 
 // One recorded command over a known disk, and the stores that may be found afterwards.
 struct Scenario {
@@ -41,6 +42,7 @@ Scenario record_scenario(const std::string& name, const fs::path& folder,
                          const std::function<void(const fs::path&)>& command) {
   Scenario s{.name = name, .before = read_disk(folder), .command = command};
   s.old_store = store_in(s.before);
+  if (s.old_store.empty()) s.old_store = store_in(s.before, kRetired);
   s.ops = record(folder, [&] { command(folder / kStore); });
   const DiskState after = read_disk(folder);
   const DiskState replayed = CrashDisk(s.before, s.ops).final_state();
@@ -48,6 +50,25 @@ Scenario record_scenario(const std::string& name, const fs::path& folder,
     throw Error(ErrorCode::Io, "recorder: " + name + ": a change of the disk was not seen");
   s.new_store = store_in(after);
   return s;
+}
+
+// The operation that moves the old store aside or back; the number of operations when none does.
+std::size_t move_of_old(const Scenario& s) {
+  const auto moves = [](const FileOp& op) {
+    return op.kind == FileOp::Kind::Rename && (op.path == kRetired || op.other == kRetired);
+  };
+  return static_cast<std::size_t>(std::ranges::find_if(s.ops, moves) - s.ops.begin());
+}
+
+// The next build after a replacement that was killed between its two renames.
+Scenario record_return(const Scenario& replacement) {
+  const store::TemporaryFolder folder;
+  const fs::path root = fs::canonical(folder.path());
+  const auto end =
+      replacement.ops.begin() + static_cast<std::ptrdiff_t>(move_of_old(replacement)) + 1;
+  write_disk(CrashDisk(replacement.before, {replacement.ops.begin(), end}).final_state(), root);
+  return record_scenario("build --force, the old store retired", root,
+                         [](const fs::path& output) { build_sample(output, 4); });
 }
 
 std::vector<Scenario> record_all() {
@@ -63,18 +84,20 @@ std::vector<Scenario> record_all() {
   scenarios.push_back(record_scenario("build --force, no exchange", root, [](const auto& output) {
     without_exchange([&] { build_sample(output, 3); });
   }));
+  scenarios.push_back(record_return(scenarios.back()));
   return scenarios;
 }
 
 // Once the lock file has gone another builder may begin: nothing may be removed behind it but the
 // empty directory.
 bool removes_lock_last(const Scenario& s) {
-  const std::string part = kStore + ".part";
-  const auto is_lock = [&](const FileOp& op) {
-    return op.kind == FileOp::Kind::Remove && op.path == part + "/lock";
+  const auto removes = [&](std::size_t op, const std::string& path) {
+    return s.ops[op].kind == FileOp::Kind::Remove && s.ops[op].path == path;
   };
-  const auto lock = std::ranges::find_if(s.ops, is_lock);
-  return s.ops.end() - lock == 2 && s.ops.back().path == part;
+  const std::size_t last = s.ops.size() - 1;
+  for (std::size_t op = 0; op < last; ++op)
+    if (removes(op, kPart + "/lock") && !removes(op + 1, kPart)) return false;
+  return removes(last - 1, kPart + "/lock");
 }
 
 enum class Found { Nothing, Old, New, Refused, Wrong };
@@ -117,8 +140,13 @@ bool fools_reader_of_sizes(const Files& files, const Scenario& s) {
   return !is_whole && (looks_like(s.new_store) || looks_like(s.old_store));
 }
 
-// 0 to `ops`, most often near the end, where the store is published and acknowledged.
-std::size_t late_moment(std::size_t ops, std::mt19937_64& random) {
+// How many operations are done: most often nearly all, where the store is published and
+// acknowledged; in a third of the draws, where an old store moves aside or back, that and up to
+// three more.
+std::size_t draw_moment(const Scenario& s, std::mt19937_64& random) {
+  const std::size_t ops = s.ops.size();
+  if (const std::size_t move = move_of_old(s); move < ops && random() % 3 == 0)
+    return std::min(move + 1 + random() % 4, ops);
   const double u = std::uniform_real_distribution(0.0, 1.0)(random);
   return ops - static_cast<std::size_t>(u * u * static_cast<double>(ops));
 }
@@ -127,7 +155,7 @@ Tally draw(const Scenario& s, const CrashDisk& disk, int states, std::uint64_t s
   std::mt19937_64 random(seed);
   Tally tally;
   for (int i = 0; i < states; ++i) {
-    const std::size_t done = late_moment(s.ops.size(), random);
+    const std::size_t done = draw_moment(s, random);
     const DiskState state = disk.crash(done, "", random);
     const Found found = judge(state, s);
     ++tally.states;
@@ -161,8 +189,8 @@ std::set<std::size_t> syncs_of(const Scenario& s) {
 }
 
 // Control: without any sync, stores must be found broken; and without any single one of those that
-// the published store rests on. (Those of the key keep a build from going on with a wrong one; that
-// of the folder before an old store moves aside is missed in one state of 1,400 only.)
+// the published store, or an old one that moves aside or back, rests on. (Those of the key keep a
+// build from going on with a wrong one.)
 int miss_controls(const Scenario& s, int states) {
   int missed = 0;
   const std::set<std::size_t> syncs = syncs_of(s);
@@ -171,9 +199,7 @@ int miss_controls(const Scenario& s, int states) {
   missed += none.refused == 0 || none.lost == 0 || none.fools == 0 ? 1 : 0;
   for (const std::size_t op : syncs) {
     const std::string& path = s.ops[op].path;
-    const bool is_last = op == *syncs.rbegin();
-    const bool publishes =
-        (path.empty() && is_last) || path.find(".part/store") != std::string::npos;
+    const bool publishes = path.empty() || path.starts_with(kPart + "/store");
     if (!publishes) continue;
     const Tally one = draw(s, CrashDisk(s.before, s.ops, {op}), states, op);
     // A segment that extend takes over is on disk already.
