@@ -1,4 +1,5 @@
 // soar's strip is the leaves of the bin-tree, whatever the view, the options and what is missing.
+#include <cmath>
 #include <random>
 
 #include <fmt/format.h>
@@ -216,6 +217,21 @@ TEST(SoarBudget, IsKeptAndFramesAreTheSameWhateverCameBefore) {
     EXPECT_GT(bound, 10);
     EXPECT_LT(bound, 33);
   }
+}
+
+TEST(SoarBounds, NoBoundIsSaidWhereNoneIsKnown) {
+  const BuiltTerrain terrain(rough_dem(65, 65, 3, 0));
+  const auto opened = terrain.open();
+  DrawList list;
+  const auto soar = [&](const Params& params) {
+    const auto engine = find_engine("soar").open(*opened, params);
+    engine->refine(flight_view(0.3), {.tolerance_px = 2}, list);
+    return list.stats.achieved_error_px;
+  };
+  EXPECT_EQ(soar({}), 2);
+  EXPECT_TRUE(std::isfinite(list.batches[0].error));
+  EXPECT_TRUE(std::isinf(soar({{"morph", "true"}})));
+  EXPECT_TRUE(std::isinf(list.batches[0].error));
 }
 
 }  // namespace

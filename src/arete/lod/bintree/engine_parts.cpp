@@ -29,12 +29,13 @@ Claims claims_of(const RefineOptions& options, Bounded bounded) {
           .error_angular_px = in_pixels ? none : tolerance};
 }
 
-float error_m(const Findings& found) {
+float error_m(const Findings& found, Bounded bounded) {
+  if (bounded == Bounded::No) return std::numeric_limits<float>::infinity();
   const auto late = static_cast<float>(found.late_error_m);
   return std::max(value(found.delta), std::nextafter(late, 2 * late));
 }
 
-void report(const Ground& ground, const Findings& found, RefineStats& stats) {
+void report(const Ground& ground, const Findings& found, Bounded bounded, RefineStats& stats) {
   stats.pages_touched = ground.pages().counts().touched;
   stats.pages_read = ground.pages().counts().faults;
   stats.page_bytes = ground.pages().counts().resident_bytes;
@@ -44,7 +45,9 @@ void report(const Ground& ground, const Findings& found, RefineStats& stats) {
   stats.culled = found.culled;
   stats.late_blocks = found.late;
   stats.full_triangles = ground.full_triangles();
-  stats.achieved_error_px = std::max(stats.tolerance_px, found.late_error_px);
+  stats.achieved_error_px = bounded == Bounded::Yes
+                                ? std::max(stats.tolerance_px, found.late_error_px)
+                                : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace arete::lod::bintree

@@ -16,9 +16,9 @@ enum class Bounded { No, Yes };
 Claims claims_of(const RefineOptions& options, Bounded bounded);
 
 /// Fills in what a frame's stats say of the surface. The error in pixels is the tolerance kept,
-/// which out.stats names, unless something is missing.
-void report(const Ground& ground, const Findings& found, RefineStats& stats);
+/// which stats name, unless something is missing; infinite where nothing is promised.
+void report(const Ground& ground, const Findings& found, Bounded bounded, RefineStats& stats);
 /// Bound on |drawn - true| over the frame, metres.
-float error_m(const Findings& found);
+float error_m(const Findings& found, Bounded bounded);
 
 }  // namespace arete::lod::bintree

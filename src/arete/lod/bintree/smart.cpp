@@ -38,15 +38,14 @@ class SmartEngine final : public Engine {
     out.batches.push_back({.vertices = vertices_.key(),
                            .indices = kIndices,
                            .index_count = static_cast<std::uint32_t>(tree_.indices().size()),
-                           .error = error_m(found)});
-    report(ground_, found, out.stats);
+                           .error = error_m(found, bounded())});
+    report(ground_, found, bounded(), out.stats);
     report_vertices(out);
     if (options.on_missing == OnMissing::Defer) ask_for_pages();
   }
 
   Claims claims(const RefineOptions& options) const override {
-    const bool bounded = options_.pages.delta == Delta::Exact && is_exact();
-    Claims claims = claims_of(options, bounded ? Bounded::Yes : Bounded::No);
+    Claims claims = claims_of(options, bounded());
     claims.conforming = is_exact();
     return claims;
   }
@@ -60,6 +59,9 @@ class SmartEngine final : public Engine {
  private:
   static constexpr BlockKey kIndices = 1;
 
+  Bounded bounded() const {
+    return options_.pages.delta == Delta::Exact && is_exact() ? Bounded::Yes : Bounded::No;
+  }
   bool is_exact() const { return options_.rounding != Rounding::Floor && !options_.literal; }
 
   Findings refine_by(const ScreenError& error, const View& view, const RefineOptions& options) {

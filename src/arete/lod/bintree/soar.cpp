@@ -24,17 +24,16 @@ class SoarEngine final : public Engine {
     const Findings found = drawing_(view, options, out.stats, [&](const ScreenError& error) {
       return draw(view, error, options, out);
     });
-    report(ground_, found, out.stats);
+    report(ground_, found, bounded(), out.stats);
     out.stats.resident_bytes = out.vertices.size() * sizeof(Vertex) +  //
                                out.indices.size() * sizeof(std::uint32_t);
     out.batches.push_back({.index_count = static_cast<std::uint32_t>(out.indices.size()),
-                           .error = error_m(found),
+                           .error = error_m(found, bounded()),
                            .topology = Topology::Strip});
   }
 
   Claims claims(const RefineOptions& options) const override {
-    const bool bounded = delta_ == Delta::Exact && sharper_ == 1;
-    return claims_of(options, bounded ? Bounded::Yes : Bounded::No);
+    return claims_of(options, bounded());
   }
   Footprint footprint() const override {
     return {.table_bytes = ground_.pages().table_bytes(), .batches = 1, .least = least_budget()};
@@ -45,6 +44,10 @@ class SoarEngine final : public Engine {
   std::span<const std::uint32_t> indices(BlockKey) const override { return {}; }
 
  private:
+  Bounded bounded() const {
+    return delta_ == Delta::Exact && sharper_ == 1 ? Bounded::Yes : Bounded::No;
+  }
+
   // A strip is written over the last one.
   static void clear_but_geometry(DrawList& out) {
     std::vector<Vertex> vertices = std::move(out.vertices);
