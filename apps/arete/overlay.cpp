@@ -100,7 +100,7 @@ void draw_counts(const OverlayText& text) {
     say(fmt::format("{} batches do not fit the GPU memory", text.draw.dropped_batches), kRed);
   }
   if (text.cache.damaged != 0) {
-    say(fmt::format("{} damaged tiles are drawn coarser", text.cache.damaged), kRed);
+    say(fmt::format("{} damaged parts are drawn coarser", text.cache.damaged), kRed);
   }
 }
 

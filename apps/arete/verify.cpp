@@ -114,7 +114,9 @@ proof::VerifyReport measure(const VerifyFlags& flags) {
     stop_if_interrupted(flags.flight.terrain.terrain.string());
     bar.show("verifying", done);
   };
-  return proof::verify(*engine, dem, path, options);
+  const proof::VerifyReport report = proof::verify(*engine, dem, path, options);
+  tell_of_damage(*terrain, flags.flight.terrain);
+  return report;
 }
 
 void run(const VerifyFlags& flags) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <random>
@@ -9,6 +10,7 @@
 #include "arete/lod/bintree/page_codec.h"
 #include "arete/lod/bintree/page_layout.h"
 #include "arete/lod/bintree/record_pages.h"
+#include "arete/store/manifest.h"
 
 #include "lod/recorded_terrain.h"
 #include "store/memory_file.h"
@@ -193,18 +195,33 @@ TEST(BintreePages, ManyRequestsUnderASmallBudgetLoseNoPage) {
   }
 }
 
+/// The recorded terrain, whose pages from some byte of their segment on cannot be read.
+class Damaged {
+ public:
+  Damaged() {
+    const auto files = store::read_all_files(recorded().store());
+    store::OpenOptions options;
+    options.open = [&](const std::filesystem::path& path) -> std::unique_ptr<store::File> {
+      auto file = std::make_unique<store::MemoryFile>(files.at(path.filename().string()));
+      if (path.filename() == "bintree.seg") file->fail_from = fail_from_;
+      return file;
+    };
+    terrain_ = store::Terrain::open(recorded().store(), options);
+  }
+  const store::Terrain& terrain() const { return *terrain_; }
+  void fail_from(std::uint64_t byte) { *fail_from_ = byte; }
+
+ private:
+  std::shared_ptr<std::atomic<std::uint64_t>> fail_from_ =
+      std::make_shared<std::atomic<std::uint64_t>>(~std::uint64_t{0});
+  std::unique_ptr<store::Terrain> terrain_;
+};
+
 TEST(BintreePages, ADamagedPageIsNullAndTheOthersAreThere) {
-  const auto files = store::read_all_files(recorded().store());
-  store::OpenOptions options;
-  const auto fail_from = std::make_shared<std::atomic<std::uint64_t>>(~std::uint64_t{0});
-  options.open = [&](const std::filesystem::path& path) -> std::unique_ptr<store::File> {
-    auto file = std::make_unique<store::MemoryFile>(files.at(path.filename().string()));
-    if (path.filename() == "bintree.seg") file->fail_from = fail_from;
-    return file;
-  };
-  const auto terrain = store::Terrain::open(recorded().store(), options);
-  RecordPages pages(*terrain, {.prefetch = Prefetch::Off});
-  *fail_from = 20000;
+  Damaged damaged;
+  RecordPages pages(damaged.terrain(), {.prefetch = Prefetch::Off});
+  EXPECT_EQ(damaged.terrain().cache_stats().damaged, 0U);
+  damaged.fail_from(20000);
   std::uint64_t lost = 0;
   std::uint64_t found = 0;
   for (const VertexIndex v : some_vertices(pages.domain(), 500))
@@ -214,6 +231,77 @@ TEST(BintreePages, ADamagedPageIsNullAndTheOthersAreThere) {
   EXPECT_EQ(pages.counts().late, lost);
   EXPECT_GT(pages.counts().damaged, 0U);
   EXPECT_LT(pages.counts().damaged, lost);
+  EXPECT_EQ(damaged.terrain().cache_stats().damaged, pages.counts().damaged);
+}
+
+TEST(BintreePages, ADamagedPageIsReadOnceUnderDefer) {
+  Damaged damaged;
+  RecordPages pages(damaged.terrain(), {});
+  damaged.fail_from(0);
+  const VertexIndex v = pages.domain().index_of({131, 57});
+  const std::uint64_t page = RecordPages::page_of(v);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (!pages.holds(page) && std::chrono::steady_clock::now() < end) {
+    pages.begin_frame();
+    EXPECT_EQ(pages.find(v, OnMissing::Defer), nullptr);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_TRUE(pages.holds(page));
+  EXPECT_EQ(pages.counts().damaged, 1U);
+  damaged.fail_from(~std::uint64_t{0});  // what comes now was read again
+  for (int i = 0; i < 5; ++i) {
+    pages.begin_frame();
+    EXPECT_EQ(pages.find(v, OnMissing::Defer), nullptr);
+    pages.ask(std::vector{page}, {});
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  EXPECT_EQ(pages.counts().bytes_read, 0U);
+  EXPECT_EQ(pages.counts().damaged, 1U);
+}
+
+/// A file each read of which takes its time.
+class SlowFile final : public store::File {
+ public:
+  explicit SlowFile(std::unique_ptr<store::File> file) : file_(std::move(file)) {}
+  std::uint64_t size() const override { return file_->size(); }
+  void read_at(std::uint64_t offset, std::span<std::byte> out) const override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(3));
+    file_->read_at(offset, out);
+  }
+
+ private:
+  std::unique_ptr<store::File> file_;
+};
+
+// Both what waits and what has begun: the thread has one page of one, then one of four.
+TEST(BintreePages, WaitTakesBackWhatTheThreadHas) {
+  store::OpenOptions options;
+  options.open = [](const std::filesystem::path& path) -> std::unique_ptr<store::File> {
+    return std::make_unique<SlowFile>(store::open_file(path));
+  };
+  const auto terrain = store::Terrain::open(recorded().store(), options);
+  RecordPages all(recorded().terrain(), {.prefetch = Prefetch::Off});
+  for (const std::size_t slots : {1, 4}) {
+    RecordPages pages(*terrain, {.budget_bytes = slots * kRecordPageBytes});
+    std::vector<std::uint64_t> different;
+    std::vector<VertexIndex> vertices;
+    for (const VertexIndex v : some_vertices(pages.domain(), 500))
+      if (std::ranges::count(different, RecordPages::page_of(v)) == 0) {
+        different.push_back(RecordPages::page_of(v));
+        vertices.push_back(v);
+      }
+    ASSERT_GT(vertices.size(), 3 * slots);
+    for (std::size_t first = 0; first + slots < vertices.size(); first += slots) {
+      pages.begin_frame();
+      pages.ask({}, std::span(different).subspan(first + slots, 1));
+      for (std::size_t k = 0; k < slots; ++k) {
+        const Record* record = pages.find(vertices[first + k], OnMissing::Wait);
+        ASSERT_NE(record, nullptr) << slots << " slots, page " << first + k;
+        ASSERT_TRUE(same(*record, *all.find(vertices[first + k], OnMissing::Wait)));
+      }
+    }
+    EXPECT_LE(pages.counts().resident_bytes_max, slots * kRecordPageBytes);
+  }
 }
 
 TEST(BintreePages, PagesWithoutLandAreNotStoredAndReadAsZero) {
@@ -255,17 +343,52 @@ TEST(BintreePages, AMappedSegmentGivesTheSame) {
     ASSERT_TRUE(same(*mapped.find(v, OnMissing::Wait), *read.find(v, OnMissing::Wait)));
 }
 
+std::string refusal(const store::Terrain& terrain, Delta delta, ErrorCode code) {
+  try {
+    const RecordPages pages(terrain, {.delta = delta});
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), code);
+    return error.what();
+  }
+  return "opened";
+}
+
 TEST(BintreePages, AStoreWithoutRecordsSaysHowToAddThem) {
   store::TemporaryFolder folder;
   Heightfield dem = store::make_hills(20, 20, 1);
   const auto terrain = store::Terrain::open(store::build_store(folder, dem));
-  try {
-    const RecordPages pages(*terrain, {});
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::NotFound);
-    EXPECT_NE(std::string(error.what()).find("--methods"), std::string::npos);
-  }
+  EXPECT_EQ(
+      refusal(*terrain, Delta::Exact, ErrorCode::NotFound),
+      terrain->name() + ": has no segment \"bintree\": add it with arete build --methods soar");
+  EXPECT_EQ(refusal(*terrain, Delta::Incremental, ErrorCode::NotFound),
+            terrain->name() +
+                ": has no segment \"bintree-incremental\": add it with arete build --methods soar "
+                "--set delta=incremental");
+}
+
+TEST(BintreePages, ARecordsSegmentOfAnotherTerrainIsRefusedByName) {
+  const auto files = store::read_all_files(recorded().store());
+  const auto open = [&](int rows) {
+    store::OpenOptions options;
+    options.open = [&](const std::filesystem::path& path) -> std::unique_ptr<store::File> {
+      std::vector<char> bytes = files.at(path.filename().string());
+      if (path.filename() == "manifest.json") {
+        store::Manifest manifest = store::parse_manifest({bytes.data(), bytes.size()}, "m");
+        manifest.rows = rows;
+        const std::string text = store::to_text(manifest);
+        bytes.assign(text.begin(), text.end());
+      }
+      return std::make_unique<store::MemoryFile>(std::move(bytes));
+    };
+    return store::Terrain::open(recorded().store(), options);
+  };
+  const std::string name = recorded().terrain().name();
+  EXPECT_EQ(refusal(*open(2000), Delta::Exact, ErrorCode::Corrupt),
+            name + ": bintree.seg does not fit this terrain: build it again with --force");
+  EXPECT_EQ(refusal(*open(2000000), Delta::Exact, ErrorCode::Limit),
+            name +
+                ": 300 x 2000000 posts: soar and smart take at most 1048577 a side: use "
+                "geomipmap");
 }
 
 }  // namespace

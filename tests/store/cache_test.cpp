@@ -1,9 +1,14 @@
 #include "arete/store/cache.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <random>
 #include <thread>
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include "arete/store/terrain.h"
 
@@ -117,6 +122,16 @@ TEST_F(Residency, FailingReadsGiveNullAndAreCounted) {
   EXPECT_GT(missing, 0U);
   EXPECT_LT(missing, terrain->keys("heights").size());
   EXPECT_EQ(terrain->cache_stats().damaged, missing);
+  std::vector<std::byte> raw;  // past the cache; a block counts once
+  EXPECT_ANY_THROW(terrain->read_block("heights", terrain->keys("heights").back(), raw));
+  EXPECT_EQ(terrain->cache_stats().damaged, missing);
+  *fail_from = ~std::uint64_t{0} / 2;
+  const auto anew = Terrain::open(path_, options);
+  *fail_from = 0;
+  for (int i = 0; i < 2; ++i)
+    EXPECT_ANY_THROW(anew->read_block("heights", anew->keys("heights").front(), raw));
+  EXPECT_EQ(anew->cache_stats().damaged, 1U);
+  *fail_from = files.at("heights.seg").size() / 2;
   EXPECT_EQ(terrain->raster("normals")->read({0, 0, 0}).bytes.size(), 2U * 256 * 256);
   EXPECT_ANY_THROW(terrain->check_all());
 }
@@ -143,6 +158,39 @@ TEST_F(Residency, DroppingTheSystemsCacheReachesEverySegment) {
   std::vector<std::byte> read(file->size());
   file->read_at(0, read);
   EXPECT_EQ(std::memcmp(read.data(), files.at("heights.seg").data(), read.size()), 0);
+}
+
+// Pages of a file that the system holds in memory.
+std::size_t pages_held(const std::filesystem::path& path) {
+  const std::size_t size = std::filesystem::file_size(path);
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  void* at = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, fd, 0);
+  ::close(fd);
+  const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  std::vector<unsigned char> held((size + page - 1) / page);
+  EXPECT_EQ(::mincore(at, size, held.data()), 0);
+  ::munmap(at, size);
+  return static_cast<std::size_t>(
+      std::ranges::count_if(held, [](unsigned char h) { return (h & 1U) != 0; }));
+}
+
+TEST_F(Residency, AFileIsColdAfterTheSystemsCacheWasDropped) {
+  const std::filesystem::path path = path_ / "heights.seg";
+  for (const auto open : {open_file, map_file}) {
+    const auto file = open(path);
+    std::vector<std::byte> read(file->size());
+    file->read_at(0, read);
+    const std::size_t warm = pages_held(path);
+    EXPECT_GT(warm, 3U);
+    file->drop_os_cache();
+    const std::size_t cold = pages_held(path);
+    if (open == open_file && cold == warm)
+      GTEST_SKIP() << "a file system that cannot forget (tmpfs)";
+    EXPECT_EQ(cold, 0U);
+    std::vector<std::byte> again(file->size());
+    file->read_at(0, again);
+    EXPECT_EQ(again, read);
+  }
 }
 
 TEST_F(Residency, CheckAllReadsEveryPage) {

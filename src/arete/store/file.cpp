@@ -52,10 +52,11 @@ class PosixFile : public File {
 
 class MappedFile : public File {
  public:
-  MappedFile(std::span<const std::byte> bytes, std::string name)
-      : bytes_(bytes), name_(std::move(name)) {}
+  MappedFile(int fd, std::span<std::byte> bytes, std::string name)
+      : fd_(fd), bytes_(bytes), name_(std::move(name)) {}
   ~MappedFile() override {
-    if (!bytes_.empty()) ::munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
+    if (!bytes_.empty()) ::munmap(bytes_.data(), bytes_.size());
+    ::close(fd_);
   }
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
@@ -69,8 +70,15 @@ class MappedFile : public File {
     std::ranges::copy(bytes_.subspan(offset, out.size()), out.begin());
   }
 
+  // The system keeps what is mapped, whatever it is advised: so that goes first.
+  void drop_os_cache() const override {
+    if (!bytes_.empty()) ::madvise(bytes_.data(), bytes_.size(), MADV_DONTNEED);
+    ::posix_fadvise(fd_, 0, 0, POSIX_FADV_DONTNEED);
+  }
+
  private:
-  std::span<const std::byte> bytes_;
+  int fd_;  // for drop_os_cache alone
+  std::span<std::byte> bytes_;
   std::string name_;
 };
 
@@ -99,12 +107,13 @@ std::unique_ptr<File> open_file(const std::filesystem::path& path) {
 std::unique_ptr<File> map_file(const std::filesystem::path& path) {
   const auto [fd, size] = open_regular(path);
   void* at = size > 0 ? ::mmap(nullptr, size, PROT_READ, MAP_SHARED, fd, 0) : nullptr;
-  const int failure = errno;
-  ::close(fd);
-  if (at == MAP_FAILED)
+  if (at == MAP_FAILED) {
+    const int failure = errno;
+    ::close(fd);
     throw Error(ErrorCode::Io, fmt::format("{}: cannot map: {}", path.string(),
                                            std::generic_category().message(failure)));
-  return std::make_unique<MappedFile>(std::span(static_cast<const std::byte*>(at), size),
+  }
+  return std::make_unique<MappedFile>(fd, std::span(static_cast<std::byte*>(at), size),
                                       path.string());
 }
 

@@ -168,10 +168,14 @@ std::shared_ptr<const void> Terrain::Impl::load(const BlockName& name) {
     return cache.insert(name, std::make_shared<const std::vector<std::byte>>(std::move(raw)),
                         bytes);
   } catch (const std::exception&) {
-    const std::scoped_lock lock(damaged_mutex);
-    if (damaged_blocks.insert(name).second) ++damaged;
+    note_damage(name);
     return nullptr;
   }
+}
+
+void Terrain::Impl::note_damage(const BlockName& name) {
+  const std::scoped_lock lock(damaged_mutex);
+  if (damaged_blocks.insert(name).second) ++damaged;
 }
 
 bool Terrain::Impl::known_damaged(const BlockName& name) {
@@ -254,7 +258,13 @@ std::shared_ptr<const std::vector<std::byte>> Terrain::block(std::string_view se
 
 std::size_t Terrain::read_block(std::string_view segment, std::uint64_t key,
                                 std::vector<std::byte>& raw) const {
-  return impl_->segment(segment).read(key, raw);
+  const SegmentReader& reader = impl_->segment(segment);
+  try {
+    return reader.read(key, raw);
+  } catch (const Error&) {
+    impl_->note_damage({static_cast<std::uint32_t>(impl_->find_segment(segment)), key});
+    throw;
+  }
 }
 
 std::unique_ptr<HeightSource> Terrain::height_source() const {

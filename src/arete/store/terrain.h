@@ -62,7 +62,7 @@ struct CacheStats {
   std::uint64_t hits = 0, misses = 0;
   std::uint64_t late = 0;        ///< Resident requests that were not there
   std::uint64_t bytes_read = 0;  ///< from files
-  std::uint64_t damaged = 0;     ///< blocks that failed verification
+  std::uint64_t damaged = 0;     ///< blocks that failed verification, each once
 };
 
 /// Wait reads and verifies on the caller's thread; Resident returns only what is in memory and
@@ -114,7 +114,8 @@ class Terrain {
                                                       Fetch fetch) const;
 
   /// Reads and verifies a block anew, past the cache: for who keeps blocks in another form. Returns
-  /// the bytes read from the file; 0 when there is no such block. Throws: NotFound, Corrupt, Io.
+  /// the bytes read from the file; 0 when there is no such block. One that fails counts as damaged.
+  /// Throws: NotFound, Corrupt, Io.
   std::size_t read_block(std::string_view segment, std::uint64_t key,
                          std::vector<std::byte>& raw) const;
 

@@ -31,6 +31,8 @@ struct Terrain::Impl {
   std::shared_ptr<const void> fetch(const BlockName& name, Fetch how);
   /// Reads, verifies, decodes and caches. Null when absent or damaged. Throws nothing.
   std::shared_ptr<const void> load(const BlockName& name);
+  /// Counts a block once, however often it is read.
+  void note_damage(const BlockName& name);
   bool known_damaged(const BlockName& name);
   std::unique_ptr<File> open(const std::filesystem::path& path) const;
 

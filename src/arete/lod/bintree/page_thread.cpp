@@ -29,6 +29,13 @@ void PageThread::take_finished(std::vector<PageRead>& out) {
   finished_.swap(out);
 }
 
+void PageThread::await_finished(std::vector<PageRead>& out) {
+  out.clear();
+  std::unique_lock lock(mutex_);
+  idle_.wait(lock, [this] { return !reading_; });
+  finished_.swap(out);
+}
+
 void PageThread::drop_begun() {
   waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(next_));
   next_ = 0;
@@ -42,10 +49,15 @@ void PageThread::run(const std::stop_token& stop) {
       if (!more_.wait(lock, stop, [this] { return next_ < waiting_.size(); })) return;
       if (stop.stop_requested()) return;
       read = waiting_[next_++];
+      reading_ = true;
     }
     read_(read);
-    const std::scoped_lock lock(mutex_);
-    finished_.push_back(read);
+    {
+      const std::scoped_lock lock(mutex_);
+      finished_.push_back(read);
+      reading_ = false;
+    }
+    idle_.notify_one();
   }
 }
 

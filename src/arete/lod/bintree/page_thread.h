@@ -34,6 +34,8 @@ class PageThread {
   /// changes hands, so none is allocated once the most that ever waited has waited.
   void take_waiting(std::vector<PageRead>& out);
   void take_finished(std::vector<PageRead>& out);
+  /// take_finished once the read that has begun, if one has, is finished, too.
+  void await_finished(std::vector<PageRead>& out);
 
  private:
   void run(const std::stop_token& stop);
@@ -41,10 +43,11 @@ class PageThread {
 
   std::function<void(PageRead&)> read_;
   std::mutex mutex_;
-  std::condition_variable_any more_;
+  std::condition_variable_any more_, idle_;
   std::vector<PageRead> waiting_, finished_;
   std::size_t next_ = 0;  ///< in waiting_
-  std::jthread thread_;   ///< last: it stops before the members that it uses go
+  bool reading_ = false;
+  std::jthread thread_;  ///< last: it stops before the members that it uses go
 };
 
 }  // namespace arete::lod::bintree

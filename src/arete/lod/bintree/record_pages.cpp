@@ -18,6 +18,24 @@ constexpr std::size_t kCandidates = 16;
 // The thread holds at most this share of the budget, but one page of the least.
 constexpr std::size_t kAheadShare = 4;
 
+Domain domain_of(const store::Terrain& terrain) {
+  const store::Manifest& m = terrain.manifest();
+  if (!Domain::fits(m.cols, m.rows))
+    throw Error(ErrorCode::Limit,
+                fmt::format("{}: {} x {} posts: soar and smart take at most {} a side: use "
+                            "geomipmap",
+                            terrain.name(), m.cols, m.rows, (1 << Domain::kMaxLog2Cells) + 1));
+  return Domain::over(m.cols, m.rows);
+}
+
+void require_segment(const store::Terrain& terrain, const std::string& segment, Delta delta) {
+  if (!terrain.has_segment(segment))
+    throw Error(ErrorCode::NotFound,
+                fmt::format("{}: has no segment \"{}\": add it with arete build --methods soar{}",
+                            terrain.name(), segment,
+                            delta == Delta::Exact ? "" : " --set delta=incremental"));
+}
+
 }  // namespace
 
 std::string bintree_segment(Delta delta) {
@@ -27,12 +45,10 @@ std::string bintree_segment(Delta delta) {
 RecordPages::RecordPages(const store::Terrain& terrain, const Options& options)
     : terrain_(terrain),
       segment_(bintree_segment(options.delta)),
-      domain_(Domain::over(terrain.manifest().cols, terrain.manifest().rows)),
+      domain_(domain_of(terrain)),
       prefetch_(options.prefetch),
       thread_([this](PageRead& read) { read.bytes_read = read_page(read.key, read.to); }) {
-  if (!terrain.has_segment(segment_))
-    throw Error(ErrorCode::NotFound,
-                fmt::format("no segment \"{}\": add it with arete build --methods soar", segment_));
+  require_segment(terrain, segment_, options.delta);
   keys_ = terrain.keys(segment_);
   read_maxima();
   index_pages();
@@ -45,15 +61,20 @@ RecordPages::RecordPages(const store::Terrain& terrain, const Options& options)
 
 RecordPages::~RecordPages() = default;
 
+void RecordPages::require_fit(bool fits) const {
+  if (!fits)
+    throw Error(ErrorCode::Corrupt,
+                fmt::format("{}: {}.seg does not fit this terrain: build it again with --force",
+                            terrain_.name(), segment_));
+}
+
 // The last block holds the largest deltas of all depths.
 void RecordPages::read_maxima() {
   std::vector<std::byte> raw;
   std::vector<Code> codes(static_cast<std::size_t>(domain_.depths()));
   const bool last = !keys_.empty() && page_of_key(keys_.back()) == kMaximaPage;
   if (last) terrain_.read_block(segment_, keys_.back(), raw);
-  if (raw.size() != codes.size() * sizeof(Code))
-    throw Error(ErrorCode::Corrupt,
-                fmt::format("{}.seg: does not fit this terrain: rebuild the store", segment_));
+  require_fit(raw.size() == codes.size() * sizeof(Code));
   std::memcpy(codes.data(), raw.data(), raw.size());
   std::ranges::transform(codes, std::back_inserter(delta_max_),
                          [](Code code) { return static_cast<double>(value(code)); });
@@ -72,9 +93,7 @@ void RecordPages::index_pages() {
   for (std::size_t i = 0; i < keys_.size(); ++i) {
     const std::uint64_t page = page_of_key(keys_[i]);
     if (page == kMaximaPage) continue;
-    if (page >= pages)
-      throw Error(ErrorCode::Corrupt,
-                  fmt::format("{}.seg: does not fit this terrain: rebuild the store", segment_));
+    require_fit(page < pages);
     Entry*& leaf = leaves_[page >> kLog2LeafPages];
     if (leaf == empty_leaf_->data()) {
       leaf_memory_.push_back(std::make_unique<Leaf>(*empty_leaf_));
@@ -99,7 +118,15 @@ void RecordPages::take_in(const PageRead& read) {
   counts_.bytes_read += read.bytes_read;
   if (read.bytes_read > 0) ++counts_.prefetched;
   if (read.bytes_read > 0 && entry.records == nullptr) return hold(read.to, entry, frame_ - 1);
-  free_.push_back(read.to);  // find() was faster, or it will meet the damage itself
+  free_.push_back(read.to);
+  // Without records find() was not faster, so nobody knows the damage yet, or find() met it, too.
+  if (read.bytes_read == 0 && entry.records == nullptr) note_damage(entry);
+}
+
+void RecordPages::note_damage(Entry& entry) {
+  if (entry.key == kDamaged) return;
+  entry.key = kDamaged;
+  ++counts_.damaged;
 }
 
 bool RecordPages::touch(Entry& entry, OnMissing on_missing) {
@@ -122,12 +149,17 @@ bool RecordPages::touch(Entry& entry, OnMissing on_missing) {
 
 bool RecordPages::load(Entry& entry) {
   Record* slot = take_slot();
+  if (slot == nullptr && asked_count_ > 0) {
+    take_from_thread();
+    if (entry.records != nullptr) return true;  // the thread had just read it
+    if (entry.key == kDamaged) return false;
+    slot = take_slot();
+  }
   if (slot == nullptr) return false;
   const std::size_t bytes = read_page(static_cast<std::size_t>(entry.key), slot);
   if (bytes == 0) {
     free_.push_back(slot);
-    entry.key = kDamaged;
-    ++counts_.damaged;
+    note_damage(entry);
     return false;
   }
   counts_.bytes_read += bytes;
@@ -149,14 +181,25 @@ std::size_t RecordPages::read_page(std::size_t key, Record* to) const {
 
 void RecordPages::ask(std::span<const std::uint64_t> missing,
                       std::span<const std::uint64_t> ahead) {
+  take_waiting();
+  ask(missing);
+  if (prefetch_ == Prefetch::On) ask(ahead);
+}
+
+void RecordPages::take_waiting() {
   thread_.take_waiting(taken_);
   for (const PageRead& read : taken_) {
     asked_[read.key] = 0;
     --asked_count_;
     free_.push_back(read.to);
   }
-  ask(missing);
-  if (prefetch_ == Prefetch::On) ask(ahead);
+}
+
+// Every slot that the thread has. What it has read comes in as of the last frame, so may go again.
+void RecordPages::take_from_thread() {
+  take_waiting();
+  thread_.await_finished(taken_);
+  for (const PageRead& read : taken_) take_in(read);
 }
 
 void RecordPages::ask(std::span<const std::uint64_t> pages) {

@@ -69,7 +69,7 @@ class RecordPages {
   void begin_frame();
   /// The vertex's record; holds until the next begin_frame. Null when the page is damaged, not
   /// resident under Defer (the thread is asked for it), or the budget is full of pages touched in
-  /// this frame.
+  /// this frame; under Wait the thread gives its pages back first.
   /// Requires: index < domain().index_end(). Cost: a few ns for a resident page. Throws: nothing.
   const Record* find(VertexIndex index, OnMissing on_missing) {
     const std::uint64_t page = index >> kLog2PageRecords;
@@ -107,6 +107,7 @@ class RecordPages {
   static constexpr std::size_t kLeafPages = std::size_t{1} << kLog2LeafPages;
   using Leaf = std::array<Entry, kLeafPages>;
 
+  void require_fit(bool fits) const;
   void index_pages();
   void read_maxima();
   Entry& entry_of(std::uint64_t page) {
@@ -116,7 +117,10 @@ class RecordPages {
   bool load(Entry& entry);
   void ask(std::span<const std::uint64_t> pages);
   void ask(Entry& entry);
+  void take_waiting();
+  void take_from_thread();
   void take_in(const PageRead& read);
+  void note_damage(Entry& entry);
   std::size_t read_page(std::size_t key, Record* to) const;
   std::size_t most_asked() const;
   Record* take_slot();
