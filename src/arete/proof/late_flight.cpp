@@ -47,6 +47,20 @@ std::vector<const DrawnFrame*> some_late(std::span<const DrawnFrame> frames, int
   return late;
 }
 
+void measure(const DrawnFrame& frame, const Reference& reference, int threads, FrameChecks& out) {
+  const double claimed = frame.stats.achieved_error_px;
+  if (!std::isfinite(claimed)) {
+    ++out.unbounded;
+    return;
+  }
+  const double px = measure_residuals(frame.surface, reference, frame.view, threads).px.max_px();
+  ++out.measured;
+  out.worst_px = std::max(out.worst_px, px);
+  out.claimed_px = std::max(out.claimed_px, claimed);
+  out.worst_claim_share =
+      std::max(out.worst_claim_share, std::max(0.0, px - kRoundingPx) / claimed);
+}
+
 }  // namespace
 
 LateFlight fly_late(lod::Engine& engine, std::span<const View> flight,
@@ -66,37 +80,30 @@ LateFlight fly_late(lod::Engine& engine, std::span<const View> flight,
 }
 
 std::vector<DrawnFrame> keep_late(lod::Engine& engine, std::span<const View> flight,
-                                  const lod::RefineOptions& refine, double frame_ms) {
+                                  const lod::RefineOptions& refine, double frame_ms,
+                                  const std::function<void()>& kept) {
   std::vector<DrawnFrame> frames;
   frames.reserve(flight.size());
   fly_late(engine, flight, refine, frame_ms, [&](const View& view, const DrawList& list) {
     frames.push_back({view, {}, list.stats});
     mesh::flatten(list, engine, frames.back().surface);
+    if (kept) kept();
   });
   return frames;
 }
 
 FrameChecks check_late(std::span<const DrawnFrame> frames, const Reference& reference,
-                       int most_measured, int threads) {
+                       int most_measured, int threads, const std::function<void()>& checked) {
   FrameChecks out;
   for (const DrawnFrame& frame : frames) {
     const mesh::SurfaceReport report =
         mesh::check_surface(frame.surface, reference.dem(), &frame.view, threads);
     out.cracks += report.cracks() + report.t_junctions;
+    if (checked) checked();
   }
   for (const DrawnFrame* frame : some_late(frames, most_measured)) {
-    const double claimed = frame->stats.achieved_error_px;
-    if (!std::isfinite(claimed)) {
-      ++out.unbounded;
-      continue;
-    }
-    const double px =
-        measure_residuals(frame->surface, reference, frame->view, threads).px.max_px();
-    ++out.measured;
-    out.worst_px = std::max(out.worst_px, px);
-    out.claimed_px = std::max(out.claimed_px, claimed);
-    out.worst_claim_share =
-        std::max(out.worst_claim_share, std::max(0.0, px - kRoundingPx) / claimed);
+    measure(*frame, reference, threads, out);
+    if (checked) checked();
   }
   return out;
 }

@@ -24,7 +24,7 @@ struct LateFlight {
   std::uint64_t process_bytes_first = 0, process_bytes_max = 0;
 };
 
-/// Told of every frame after its time was taken.
+/// Told of every frame after its time was taken; may throw to stop.
 using SeeFrame = std::function<void(const View&, const DrawList&)>;
 
 /// Draws the views, `frame_ms` apart as a viewer does: what a frame leaves of that is slept.
@@ -38,9 +38,10 @@ struct DrawnFrame {
   RefineStats stats;
 };
 
-/// Keeps every frame of fly_late.
+/// Keeps every frame of fly_late; `kept` is called after each and may throw to stop.
 std::vector<DrawnFrame> keep_late(lod::Engine& engine, std::span<const View> flight,
-                                  const lod::RefineOptions& refine, double frame_ms);
+                                  const lod::RefineOptions& refine, double frame_ms,
+                                  const std::function<void()>& kept = {});
 
 /// What drawn frames are worth.
 struct FrameChecks {
@@ -53,9 +54,10 @@ struct FrameChecks {
 };
 
 /// Checks every frame in integers and holds up to `most_measured` late ones, evenly taken, to their
-/// RefineStats::achieved_error_px. Requires: a scale in pixels, not ErrorScale::Angular.
+/// RefineStats::achieved_error_px. `checked` is called after either and may throw to stop.
+/// Requires: a scale in pixels, not ErrorScale::Angular.
 FrameChecks check_late(std::span<const DrawnFrame> frames, const Reference& reference,
-                       int most_measured, int threads);
+                       int most_measured, int threads, const std::function<void()>& checked = {});
 
 /// Bytes of memory that this process holds; 0 where the system does not say.
 std::uint64_t process_bytes();

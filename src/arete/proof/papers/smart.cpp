@@ -103,9 +103,10 @@ class Protocol {
   }
 
  private:
-  void say(std::string_view what) {
-    constexpr double kAll = kTolerances.size() * kIncoherences.size();
-    if (options_.progress) options_.progress(what, settings_done_ / kAll);
+  // `part`: of the setting that runs, 0..1. Flying out of core counts as one of them.
+  void say(std::string_view what, double part = 0) const {
+    constexpr double kAll = kTolerances.size() * kIncoherences.size() + 1;
+    if (options_.progress) options_.progress(what, (settings_done_ + part) / kAll);
   }
 
   View view_at(double t) const {
@@ -280,8 +281,8 @@ class Protocol {
     const double step = step_for(setting, {.tolerance_px = setting.tolerance_px});
     LateSetting late{setting.text(), setting.tolerance_px, {}};
     for (int i = 0; i < options_.frames; ++i) late.flight.push_back(view_at(i * step));
-    std::ranges::move(out_of_core(terrain_, late, [this](std::string_view what) { say(what); }),
-                      std::back_inserter(rows_));
+    const Progress progress = [this](std::string_view what, double part) { say(what, part); };
+    std::ranges::move(out_of_core(terrain_, late, progress), std::back_inserter(rows_));
   }
 
   const store::Terrain& terrain_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -13,6 +14,7 @@ namespace arete::proof::smart {
 namespace {
 
 constexpr std::uint64_t kPageBytes = 4096;
+constexpr std::uint64_t kStoredShare = 8;  // the budget is at most one in so many pages
 constexpr double kFrameMs = 8;
 constexpr int kThreads = 2, kMostMeasured = 60;
 constexpr const char* kSegment = "bintree";
@@ -31,12 +33,18 @@ struct Outcome {
 
 class OutOfCore {
  public:
-  OutOfCore(const store::Terrain& terrain, const LateSetting& setting,
-            const std::function<void(std::string_view)>& say)
-      : terrain_(terrain), setting_(setting), say_(say) {}
+  OutOfCore(const store::Terrain& terrain, const LateSetting& setting, const Progress& progress)
+      : terrain_(terrain), setting_(setting), progress_(progress) {}
 
   std::vector<PaperRow> run() {
+    count_pages();
+    if (const std::string why = why_not(); !why.empty()) {
+      setting_text_ = setting_.text;
+      add("page_budget_bytes", std::nullopt, "bytes", why);
+      return std::move(rows_);
+    }
     choose_budget();
+    add_pages();
     const std::string pages = std::to_string(budget_pages_);
     const std::array<Flyer, 3> flyers{
         {{"smart", "", {{"pages", pages}}},
@@ -44,6 +52,7 @@ class OutOfCore {
          {"soar", "_soar", {{"pages", pages}}}}};
     std::array<Outcome, flyers.size()> outcomes;
     for (std::size_t i = 0; i < flyers.size(); ++i) fly(flyers[i], outcomes[i]);
+    begin("heights", 1);
     const auto source = terrain_.height_source();
     const Heightfield dem(*source);  // after the flights: it would hide what they hold
     const Reference reference(dem, kThreads);
@@ -55,19 +64,61 @@ class OutOfCore {
   }
 
  private:
-  // Half of what the flight touches, so that the budget binds; but not less than twice what a frame
-  // of soar holds on to, and not more than an eighth of all.
-  void choose_budget() {
-    say_("out of core: pages of the flight");
+  // A step of the part that takes so many calls of tick().
+  void begin(std::string what, std::size_t ticks) {
+    what_ = "out of core: " + std::move(what);
+    ticks_ = ticks;
+    ticked_ = 0;
+    ++begun_;
+    tell();
+  }
+
+  void tick() {
+    ticked_ = std::min(ticked_ + 1, ticks_);
+    tell();
+  }
+
+  void tell() const {
+    constexpr double kSteps = 8;  // pages, three flyers, heights, their checks
+    const double within = static_cast<double>(ticked_) / static_cast<double>(ticks_);
+    if (progress_) progress_(what_, (begun_ - 1 + within) / kSteps);
+  }
+
+  SeeFrame ticking() {
+    return [this](const View&, const DrawList&) { tick(); };
+  }
+
+  void count_pages() {
+    begin("pages of the flight", setting_.flight.size());
     const auto soar = lod::find_engine("soar").open(terrain_, {});
-    const LateFlight whole = fly_late(*soar, setting_.flight, refine(lod::OnMissing::Wait), 0);
-    stored_pages_ = terrain_.keys(kSegment).size();
+    const LateFlight whole =
+        fly_late(*soar, setting_.flight, refine(lod::OnMissing::Wait), 0, ticking());
+    stored_pages_ = terrain_.keys(kSegment).size() - 1;  // the last block is none
     flight_pages_ = whole.pages_waited_for;
     frame_pages_ = whole.pages_touched_max;
-    budget_pages_ = std::clamp<std::uint64_t>(std::max(flight_pages_ / 2, 2 * frame_pages_), 1,
-                                              std::max<std::uint64_t>(stored_pages_ / 8, 1));
+  }
+
+  // Why no budget shows anything; empty when one does.
+  std::string why_not() const {
+    if (2 * frame_pages_ > stored_pages_ / kStoredShare)
+      return fmt::format(
+          "not flown: two frames touch up to {} pages, more than an eighth of the {} stored: take "
+          "a larger terrain",
+          2 * frame_pages_, stored_pages_);
+    if (2 * frame_pages_ >= flight_pages_)
+      return fmt::format(
+          "not flown: two frames touch up to {} pages, the whole flight {}: no budget for the one "
+          "binds in the other: fly more frames",
+          2 * frame_pages_, flight_pages_);
+    return {};
+  }
+
+  // Half of what the flight touches, so that the budget binds, but not less than two frames hold on
+  // to; and not more than an eighth of all, which why_not() has compared with two frames.
+  void choose_budget() {
+    budget_pages_ = std::min(std::max({flight_pages_ / 2, 2 * frame_pages_, std::uint64_t{1}}),
+                             stored_pages_ / kStoredShare);
     setting_text_ = fmt::format("{} pages={}", setting_.text, budget_pages_);
-    add_pages();
   }
 
   void add_pages() {
@@ -89,19 +140,21 @@ class OutOfCore {
     return engine;
   }
 
-  void fly(const Flyer& flyer, Outcome& out) const {
-    say_(fmt::format("out of core: {}{}", flyer.method, flyer.suffix));
-    out.deferred =
-        fly_late(*open_cold(flyer), setting_.flight, refine(lod::OnMissing::Defer), kFrameMs);
-    out.waited =
-        fly_late(*open_cold(flyer), setting_.flight, refine(lod::OnMissing::Wait), kFrameMs);
+  void fly(const Flyer& flyer, Outcome& out) {
+    begin(fmt::format("{}{}", flyer.method, flyer.suffix), 2 * setting_.flight.size());
+    out.deferred = fly_late(*open_cold(flyer), setting_.flight, refine(lod::OnMissing::Defer),
+                            kFrameMs, ticking());
+    out.waited = fly_late(*open_cold(flyer), setting_.flight, refine(lod::OnMissing::Wait),
+                          kFrameMs, ticking());
   }
 
-  void check(const Flyer& flyer, const Reference& reference, Outcome& out) const {
-    say_(fmt::format("out of core: checks of {}{}", flyer.method, flyer.suffix));
-    const auto frames =
-        keep_late(*open_cold(flyer), setting_.flight, refine(lod::OnMissing::Defer), kFrameMs);
-    out.checks = check_late(frames, reference, kMostMeasured, kThreads);
+  void check(const Flyer& flyer, const Reference& reference, Outcome& out) {
+    begin(fmt::format("checks of {}{}", flyer.method, flyer.suffix),
+          2 * setting_.flight.size() + kMostMeasured);
+    const auto ticking = [this] { tick(); };
+    const auto frames = keep_late(*open_cold(flyer), setting_.flight, refine(lod::OnMissing::Defer),
+                                  kFrameMs, ticking);
+    out.checks = check_late(frames, reference, kMostMeasured, kThreads, ticking);
   }
 
   void add(const std::string& suffix, const Outcome& out) {
@@ -129,13 +182,17 @@ class OutOfCore {
     count("late_error_to_claim_max", out.checks.worst_claim_share, "", "honest up to 1");
   }
 
-  void add(const std::string& quantity, double measured, const char* unit, const char* note = "") {
+  void add(const std::string& quantity, std::optional<double> measured, const char* unit,
+           const std::string& note = "") {
     rows_.push_back({"out of core", quantity, setting_text_, std::nullopt, measured, unit, note});
   }
 
   const store::Terrain& terrain_;
   const LateSetting& setting_;
-  const std::function<void(std::string_view)>& say_;
+  const Progress& progress_;
+  std::string what_;
+  std::size_t ticks_ = 1, ticked_ = 0;
+  int begun_ = 0;
   std::uint64_t stored_pages_ = 0, flight_pages_ = 0, frame_pages_ = 0, budget_pages_ = 1;
   std::string setting_text_;
   std::vector<PaperRow> rows_;
@@ -144,8 +201,8 @@ class OutOfCore {
 }  // namespace
 
 std::vector<PaperRow> out_of_core(const store::Terrain& terrain, const LateSetting& setting,
-                                  const std::function<void(std::string_view)>& say) {
-  return OutOfCore(terrain, setting, say).run();
+                                  const Progress& progress) {
+  return OutOfCore(terrain, setting, progress).run();
 }
 
 }  // namespace arete::proof::smart
