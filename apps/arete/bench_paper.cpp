@@ -58,6 +58,7 @@ void bench_paper(const FlightFlags& flags, const std::string& name, Format forma
                                    stop_if_interrupted(file);
                                    bar.show(what, done);
                                  }});
+  bar.clear();
   tell_of_damage(*terrain, flags.terrain);
   if (format == Format::Text) return print_table(rows);
   Json json = Json::array();

@@ -116,6 +116,7 @@ BenchRun bench_method(const FlightFlags& flags, const std::string& method, Drawi
   run.bytes_read = terrain->cache_stats().bytes_read;
   run.cache_bytes_max = terrain->cache_stats().resident_bytes_max;
   run.peak_rss_bytes = peak_rss_bytes();
+  bar.clear();
   tell_of_damage(*terrain, flags.terrain);
   return run;
 }

@@ -18,9 +18,10 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
 
   void show(std::string_view step, double done);
+  /// Takes it off the terminal, for a line that is to stay.
+  void clear();
 
  private:
-  void clear();
   bool terminal_;
   bool shown_ = false;
   std::string step_;

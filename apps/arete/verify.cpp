@@ -115,6 +115,7 @@ proof::VerifyReport measure(const VerifyFlags& flags) {
     bar.show("verifying", done);
   };
   const proof::VerifyReport report = proof::verify(*engine, dem, path, options);
+  bar.clear();
   tell_of_damage(*terrain, flags.flight.terrain);
   return report;
 }
