@@ -1,13 +1,16 @@
 # Compile settings as an interface target: no global flags.
 add_library(arete_settings INTERFACE)
 target_compile_features(arete_settings INTERFACE cxx_std_20)
+# No contraction: what is computed in two places must agree bit by bit, such as the status of a
+# vertex by either of its triangles.
 target_compile_options(arete_settings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wold-style-cast -Wnon-virtual-dtor
   -Woverloaded-virtual -ffp-contract=off
   $<$<BOOL:${ARETE_WARNINGS_AS_ERRORS}>:-Werror>)
 target_compile_definitions(arete_settings INTERFACE GLM_FORCE_DEPTH_ZERO_TO_ONE GLM_FORCE_XYZW_ONLY)
 if(ARETE_SANITIZE)
-  # GCC 12 sees uninitialised members in std::regex once it is instrumented; the plain builds still warn.
+  # GCC 12 sees uninitialised members in std::regex once it is instrumented; the plain builds still
+  # warn.
   target_compile_options(arete_settings INTERFACE -fsanitize=${ARETE_SANITIZE}
     -fno-sanitize-recover=all -fno-omit-frame-pointer
     $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
@@ -35,7 +38,8 @@ endfunction()
 function(arete_test name)
   cmake_parse_arguments(TEST "" "" "SOURCES;ROOMS;PACKAGES" ${ARGN})
   add_executable(${name} ${TEST_SOURCES})
-  target_link_libraries(${name} PRIVATE arete_settings GTest::gtest_main GTest::gmock ${TEST_PACKAGES})
+  target_link_libraries(${name}
+    PRIVATE arete_settings GTest::gtest_main GTest::gmock ${TEST_PACKAGES})
   foreach(room ${TEST_ROOMS})
     target_link_libraries(${name} PRIVATE arete::${room})
   endforeach()

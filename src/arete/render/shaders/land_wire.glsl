@@ -1,4 +1,5 @@
-// Gives each corner its barycentric coordinates; the fragment stage draws edges where one is near 0.
+// Gives each corner its barycentric coordinates; the fragment stage draws edges
+// where one is near 0.
 layout(triangles) in;
 layout(triangle_strip, max_vertices = 3) out;
 
