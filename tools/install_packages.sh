@@ -9,7 +9,7 @@ build=(cmake ninja-build g++ pkg-config libgdal-dev libhdf5-dev libzstd-dev libx
 # What runs it: Mesa's software OpenGL (a GPU's own driver goes before it) and the video encoder.
 demo=(libegl1 libegl-mesa0 libgl1-mesa-dri libgl1 ffmpeg libncarg-data)
 test=("${demo[@]}" xvfb xauth xdotool bubblewrap time)
-ci=("${test[@]}" strace bubblewrap git clang libclang-rt-14-dev clang-format)
+ci=("${test[@]}" strace bubblewrap git clang libclang-rt-14-dev clang-format clang-tidy)
 
 missing=()
 for set in "${@:-build}"; do
