@@ -62,7 +62,7 @@ struct RefineStats {
 
 enum class BlockKind : std::uint8_t { Vertices, Indices };
 
-/// Blocks that do change. Vertices: the range [first, first + count), appended since the last frame.
+/// Blocks that do change. Vertices: [first, first + count), appended since the last frame.
 /// Indices: the block, [0, count), which is of this frame alone.
 struct Upload {
   BlockKey block = kOwnBlock;
