@@ -154,6 +154,30 @@ class Protocol {
     return out;
   }
 
+  double reached_incoherence(const std::vector<Station>& flight,
+                             const lod::RefineOptions& refine) const {
+    const auto soar = lod::find_engine("soar").open(terrain_, {});
+    Incoherence changes;
+    DrawList list;
+    double sum = 0;
+    int counted = 0;
+    for (const Station& station : flight) {
+      soar->refine(station.view, refine, list);
+      const double percent = changes.add(list, *soar);
+      if (station.teleport) continue;
+      sum += percent;
+      ++counted;
+    }
+    return counted == 0 ? 0 : sum / counted;
+  }
+
+  // The flight's own frames change less or more than the pairs did: once more, in proportion.
+  std::vector<Station> flight_for(const Setting& setting, const lod::RefineOptions& refine) const {
+    const double step = step_for(setting, refine);
+    const double reached = reached_incoherence(stations(step), refine);
+    return stations(reached > 0 ? step * setting.incoherence_percent / reached : step);
+  }
+
   Costs fly(std::string_view method, const lod::Params& params, const std::vector<Station>& flight,
             const lod::RefineOptions& refine) const {
     Costs best;
@@ -175,23 +199,6 @@ class Protocol {
       }
     }
     return best;
-  }
-
-  double reached_incoherence(const std::vector<Station>& flight,
-                             const lod::RefineOptions& refine) const {
-    const auto soar = lod::find_engine("soar").open(terrain_, {});
-    Incoherence changes;
-    DrawList list;
-    double sum = 0;
-    int counted = 0;
-    for (const Station& station : flight) {
-      soar->refine(station.view, refine, list);
-      const double percent = changes.add(list, *soar);
-      if (station.teleport) continue;
-      sum += percent;
-      ++counted;
-    }
-    return counted == 0 ? 0 : sum / counted;
   }
 
   void add(std::string_view table, std::string_view quantity, std::optional<double> measured,
@@ -260,7 +267,7 @@ class Protocol {
     lod::RefineOptions refine;
     refine.tolerance_px = setting.tolerance_px;
     refine.scale = ErrorScale::Angular;
-    const std::vector<Station> flight = stations(step_for(setting, refine));
+    const std::vector<Station> flight = flight_for(setting, refine);
     const Costs soar = fly("soar", {}, flight, refine);
     add_comparison(soar, fly("smart", {}, flight, refine), "");
     const lod::Params ceil{{"literal", "true"}, {"ticks", "ceil"}};
