@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "arete/lod/bintree/code_counts.h"
+#include "arete/lod/bintree/odometer.h"
 #include "arete/lod/bintree/range_ends.h"
 #include "arete/lod/bintree/triangle_list.h"
 
@@ -49,6 +50,27 @@ TEST(RangeEnds, RenewsWhatASearchFinds) {
     ADD_FAILURE() << place;
     return RangeEnds::kNever;
   });
+}
+
+TEST(Odometer, ManyStepsBelowATickAgeRangesNoFasterLater) {
+  Odometer odometer(1, Rounding::Exact);
+  const auto steps_until_it_ends = [&](double allowance_m, double& x) {
+    const Tick end = odometer.until({allowance_m, 1e30, 1e30})[Move];
+    int steps = 0;
+    while (odometer.now()[Move] < end) {
+      const View view = make_view({.eye = {x += 0.04, 0, 500}}, 320, 240);
+      odometer.advance(Criterion(view, ScreenError(view, 1)));
+      ++steps;
+    }
+    return steps;
+  };
+  double x = 0;
+  const View start = make_view({.eye = {0, 0, 500}}, 320, 240);
+  odometer.advance(Criterion(start, ScreenError(start, 1)));
+  const int first = steps_until_it_ends(100, x);
+  EXPECT_GT(first, 90);
+  EXPECT_LE(first, 2500);  // 100 m of 0.04 m: never later than the truth
+  for (int i = 0; i < 40; ++i) EXPECT_NEAR(steps_until_it_ends(100, x), first, 2) << i;
 }
 
 TEST(CodeCounts, KnowsTheGreatest) {

@@ -51,7 +51,7 @@ struct RefineStats {
   std::uint64_t pages_read = 0;          ///< of those, read in this frame, which waited for them
   std::uint64_t page_bytes = 0;          ///< of record pages held or being read (bin-trees)
   std::uint64_t built_blocks = 0;        ///< vertex blocks made in this frame
-  std::uint64_t bytes_built = 0;         ///< bytes of those blocks: what a renderer must upload
+  std::uint64_t bytes_built = 0;         ///< bytes of those blocks: what of vertices is to upload
   std::uint64_t resident_bytes = 0;      ///< vertex blocks that the engine holds
   std::uint64_t full_triangles = 0;      ///< what full resolution would draw in the same places
   double achieved_error_px = 0;          ///< bound over everything drawn; 0 when nothing is

@@ -30,7 +30,8 @@ std::uint64_t named_bytes(const DrawList& list, const BlockSource& blocks) {
   }
   std::ranges::sort(keys);
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-  std::uint64_t bytes = list.vertices.size() * sizeof(Vertex) + list.indices.size() * 4;
+  std::uint64_t bytes =
+      list.vertices.size() * sizeof(Vertex) + list.indices.size() * sizeof(std::uint32_t);
   for (const BlockKey key : keys) bytes += blocks.vertices(key).size_bytes();
   for (const Upload& u : list.uploads) {
     if (u.kind == BlockKind::Indices) bytes += u.count * sizeof(std::uint32_t);

@@ -32,6 +32,7 @@ void BinTree::make_room() {
   vertices_.reserve(nodes);
   triangles_.reserve(nodes);
   ends_.reserve(nodes);
+  soon_.reserve(nodes);
   for (std::vector<std::uint32_t>* list : {&changed_, &waiting_, &waited_}) list->reserve(nodes);
 }
 
@@ -110,7 +111,8 @@ void BinTree::renew_below(std::uint32_t node) {
 void BinTree::count_late() {
   std::erase_if(waiting_, [&](std::uint32_t node) {
     Node& n = nodes_[node];
-    n.waits = n.waits && n.state == State::Whole;
+    n.waits = n.waits && n.state == State::Whole &&
+              (n.vertex == kNone || vertices_.live(n.vertex).wanted());
     return !n.waits;
   });
   for (const std::uint32_t node : waiting_) {
@@ -265,6 +267,7 @@ void BinTree::look_below(std::uint32_t vertex) {
     const VertexIndex apex = vertices_.index(nodes_[node].apex);
     const VertexIndex middle = vertices_.index(vertex);
     for (const VertexIndex child : {left_child(apex, middle), right_child(apex, middle)}) {
+      if (vertices_.has(child)) continue;
       const std::uint64_t page = RecordPages::page_of(child);
       if (!ground_.pages().holds(page) &&
           std::ranges::find(pages_ahead_, page) == pages_ahead_.end())

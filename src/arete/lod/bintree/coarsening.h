@@ -51,12 +51,19 @@ class FittedDrawing {
       error = fitting_error(ground_, view, options, sharper_);
       found = draw(error);
     }
+    // The fit counts by pages; what is drawn may know more than is resident.
+    while (!Need{found.halved}.fits(options.budget)) {
+      error = error.coarser(kCoarser);
+      found = draw(error);
+    }
     bound_ = error.allowed_m(1) != asked.allowed_m(1);
     stats.tolerance_px = bound_ ? kept_tolerance_px(ground_, view, error) : options.tolerance_px;
     return found;
   }
 
  private:
+  static constexpr double kCoarser = 1.1;
+
   Ground& ground_;
   double sharper_;
   bool bound_ = false;

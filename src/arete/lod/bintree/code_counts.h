@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -34,7 +35,11 @@ class CodeCounts {
     return 0;
   }
 
-  void clear() { *this = {}; }
+  void clear() {
+    std::ranges::fill(counts_, 0);
+    std::ranges::fill(words_, 0);
+    groups_.fill(0);
+  }
 
  private:
   static constexpr std::size_t kCodes = std::size_t{1} << 16U, kGroups = kCodes / 4096;

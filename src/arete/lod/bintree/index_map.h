@@ -29,7 +29,6 @@ class IndexMap {
     size_ = 0;
   }
   std::size_t size() const { return size_; }
-  std::size_t bytes() const { return entries_.size() * sizeof(Entry); }
 
  private:
   struct Entry {

@@ -7,8 +7,9 @@
 namespace arete::lod::bintree {
 namespace {
 
-constexpr double kTurnTick = 1e-7;   // radians
-constexpr double kScaleTick = 1e-6;  // of nu
+constexpr double kTurnTick = 1e-7;       // radians
+constexpr double kScaleTick = 1e-6;      // of nu at a restart
+constexpr double kMostScaleTick = 1e-4;  // of nu: where it has shrunk by more, a restart is due
 
 // Offset of a plane from the eye.
 double offset(const glm::dvec4& plane, glm::dvec3 eye) {
@@ -30,7 +31,6 @@ Allowance Odometer::step_to(const Criterion& next) const {
     slide = std::max(slide, std::abs(offset(n, next.eye()) - offset(planes_[i], eye_)));
   }
   const double moved = glm::length(next.eye() - eye_);
-  if (moved == 0 && turn == 0 && planes_ == next.planes()) slide = 0;
   return {moved + slide, std::abs(next.nu() - nu_), turn};
 }
 
@@ -50,7 +50,7 @@ void Odometer::add(std::size_t clock, double step) {
 bool Odometer::advance(const Criterion& next) {
   constexpr double kForget = 0.25;
   const Allowance step = started_ ? step_to(next) : Allowance{};
-  bool holds = started_ && floor_ == next.floor_m();
+  bool holds = started_ && floor_ == next.floor_m() && tick_[Scale] < kMostScaleTick * next.nu();
   holds = holds && (rounding_ == Rounding::Exact || step[Scale] == 0);  // the paper has no clock
   for (std::size_t k = 0; k < kClocks; ++k) {
     add(k, step[k]);
@@ -75,14 +75,15 @@ void Odometer::restart() {
   for (std::size_t k = 0; k < kClocks; ++k) per_tick_[k] = 1 / tick_[k];
 }
 
-// The least whole number of ticks that is not behind, and one more for whatever moved.
+// The least whole number of ticks that is not behind, and one more for whatever moved. The total
+// goes along: else ranges to come would be measured from ever further behind.
 void Odometer::read(const Allowance& step) {
   for (std::size_t k = 0; k < kClocks; ++k) {
-    const double total = total_[k] * per_tick_[k];
-    travelled_[k] = total - kQuotientRounding;
-    const auto ticks = static_cast<Tick>(std::ceil(total + kQuotientRounding));
+    const auto ticks = static_cast<Tick>(std::ceil(total_[k] * per_tick_[k] + kQuotientRounding));
     const bool counts = step[k] > 0 && (rounding_ == Rounding::Exact || k != Move);
     now_[k] = std::max(ticks, now_[k] + (counts ? 1 : 0));
+    if (now_[k] > ticks) total_[k] = (now_[k] - 2 * kQuotientRounding) * tick_[k];
+    travelled_[k] = total_[k] * per_tick_[k] - kQuotientRounding;
   }
 }
 

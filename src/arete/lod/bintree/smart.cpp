@@ -68,7 +68,8 @@ class SmartEngine final : public Engine {
     const Findings found = refine_once(view, error, options);
     const std::uint64_t bytes =
         vertices_.size() * sizeof(Vertex) + tree_.indices().size() * sizeof(std::uint32_t);
-    if (bytes <= options.budget.vertex_bytes) return found;
+    if (bytes <= options.budget.vertex_bytes || !Need{found.halved}.fits(options.budget))
+      return found;
     tree_.collect();
     return refine_once(view, error, options);
   }
@@ -132,7 +133,7 @@ std::unique_ptr<Engine> open_smart(const store::Terrain& terrain, const Params& 
                                     {{"ended", Visit::Ended}, {"all", Visit::All}});
   options.tree.capacity =
       static_cast<std::size_t>(int_param(params, "capacity", 1 << 16, {16, 1 << 28}));
-  options.tick_m = 1e-3 * int_param(params, "tick", 5, {1, 1'000'000}) * spacing_m(terrain);
+  options.tick_m = 1e-6 * int_param(params, "tick", 100, {1, 1'000'000'000}) * spacing_m(terrain);
   return std::make_unique<SmartEngine>(terrain, options);
 }
 

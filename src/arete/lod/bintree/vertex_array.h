@@ -27,6 +27,7 @@ class VertexArray {
   void begin_frame(OnMissing on_missing);
   /// The vertex's place; kNone when its record is not there, and then for all of the frame.
   std::uint32_t acquire(VertexIndex index, Post post);
+  bool has(VertexIndex index) const { return slots_.find(index) != nullptr; }
   /// True when all ancestors have places too: what an active vertex needs, whatever is missing.
   bool root(std::uint32_t slot);
 
@@ -71,6 +72,7 @@ class VertexArray {
     VertexIndex index = 0;
     Post post;
   };
+  static_assert(sizeof(Place) == 64);
   std::uint32_t append(VertexIndex index, Post post, const Record& record);
 
   Ground& ground_;
