@@ -270,5 +270,26 @@ TEST(SmartOutOfCore, ConformsWhilePagesComeAndGo) {
   }
 }
 
+// The tree keeps records whose pages have gone, which a fit by pages does not see; the eye is deep
+// inside the balls of many vertices.
+TEST(SmartOutOfCore, KeepsItsTrianglesWhateverPagesAreThere) {
+  const BuiltTerrain terrain(rough_dem(513, 400, 9, 0));
+  const auto opened = terrain.open();
+  const auto smart = find_engine("smart").open(*opened, {{"pages", "12"}});
+  DrawList list;
+  int coarser = 0;
+  for (int i = 0; i < 60; ++i) {
+    const View view =
+        make_view({.eye = {7000 + 3.0 * i, -6000, 300}, .yaw = 0.5 * i, .pitch = -0.3}, 320, 240);
+    smart->refine(view, {.tolerance_px = 1, .on_missing = OnMissing::Wait}, list);
+    RefineOptions capped{.tolerance_px = 1, .on_missing = OnMissing::Defer};
+    capped.budget.triangles = i % 2 == 0 ? 4 : 60;
+    smart->refine(view, capped, list);
+    ASSERT_LE(list.stats.triangles, capped.budget.triangles) << i;
+    coarser += list.stats.tolerance_px > 1 ? 1 : 0;
+  }
+  EXPECT_GT(coarser, 30);
+}
+
 }  // namespace
 }  // namespace arete::lod

@@ -51,9 +51,11 @@ class FittedDrawing {
       error = fitting_error(ground_, view, options, sharper_);
       found = draw(error);
     }
-    // The fit counts by pages; what is drawn may know more than is resident.
-    while (!Need{found.halved}.fits(options.budget)) {
-      error = error.coarser(kCoarser);
+    // The fit counts by pages; what is drawn may know more than is resident. Ever more times the
+    // fitted error: only many times reach what is near (ScreenError::coarser).
+    const ScreenError fitted = error;
+    for (double times = kCoarser; !Need{found.halved}.fits(options.budget); times *= kCoarser) {
+      error = fitted.coarser(times);
       found = draw(error);
     }
     bound_ = error.allowed_m(1) != asked.allowed_m(1);
@@ -62,7 +64,7 @@ class FittedDrawing {
   }
 
  private:
-  static constexpr double kCoarser = 1.1;
+  static constexpr double kCoarser = 1.25;
 
   Ground& ground_;
   double sharper_;
